@@ -23,8 +23,7 @@ constexpr catalog::Counts without_contact{.loops = catalog::counted,
 /// Those of FMUs for co-simulation of mechanisms that move with contact.
 constexpr catalog::Counts with_contact = [] {
   catalog::Counts counts = without_contact;
-  counts.motions = counts.drives = counts.plays =
-      catalog::refused("remove [contact] and the hard stops of joints");
+  counts.motions = counts.plays = catalog::refused("remove [contact] and the hard stops of joints");
   counts.contacts = catalog::counted;
   return counts;
 }();

@@ -9,7 +9,6 @@
 
 #include "axode/eigen.hpp"
 #include "axode/integration/methods.hpp"
-#include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 
 namespace axode::fmi {
@@ -56,6 +55,7 @@ SteppedMotion::SteppedMotion(const Model& model, const Settings& settings, doubl
     : fixed_(fixed(model, settings)),
       tau_(fixed_->tau),
       t_0_(t),
+      adaptive_(tolerance.has_value()),
       run_(fixed_->model, q, v, 0, fixed_->options) {
   if (t != 0 && !(model.motions().empty() && model.drives().empty()))
     throw std::invalid_argument("co-simulation starts at t = " + std::to_string(t) +
@@ -67,9 +67,19 @@ SteppedMotion::SteppedMotion(const Model& model, const Settings& settings, doubl
   // Forces change only at communication points, where steps end, so that long steps cannot miss a change.
   if (model.motions().empty()) tolerances_.largest_step = std::numeric_limits<double>::infinity();
   check();
+  if (fixed_->shapes)
+    contact_ = std::make_unique<ContactMotion>(fixed_->model, *fixed_->shapes, q, v, 0, fixed_->options);
 }
 
-SteppedMotion::SteppedMotion(const SteppedMotion& other) = default;
+SteppedMotion::SteppedMotion(const SteppedMotion& other)
+    : fixed_(other.fixed_),
+      tau_(other.tau_),
+      loads_(other.loads_),
+      t_0_(other.t_0_),
+      adaptive_(other.adaptive_),
+      tolerances_(other.tolerances_),
+      run_(other.run_),
+      contact_(other.contact_ ? other.contact_->fork() : nullptr) {}
 
 void SteppedMotion::check() const {
   if (!run_.trajectory.complete) throw std::runtime_error(run_.trajectory.stop_reason);
@@ -85,7 +95,7 @@ void SteppedMotion::set_forces(Span tau, std::vector<AppliedWrench<>> loads) {
   loads_ = std::move(loads);
   act();
   // After a step with contact, accelerations are the means over the step, and sticking joints are not known.
-  if (!changed || (fixed_->shapes && run_.now() > 0)) return;
+  if (!changed || (contact_ && run_.now() > 0)) return;
   if (Failure failure = run_.forces_changed()) run_.stop(failure);
   check();
 }
@@ -98,38 +108,39 @@ void SteppedMotion::act() {
 
 void SteppedMotion::advance(double t) {
   act();
-  if (fixed_->shapes) return advance_with_contact(t);
+  if (contact_) return advance_with_contact(t);
   if (Failure failure = run_.continue_until(t - t_0_)) run_.stop(failure);
   take_adapted_steps(run_, t - t_0_, tolerances_);
   check();
-  forget_past();
+  forget_past(run_);
 }
 
 void SteppedMotion::advance_with_contact(double t) {
-  const double before = run_.now(), h = t - t_0_ - before;
-  const double parts = std::ceil(h / usual_step_with_contact - 1e-9);
-  const Trajectory part = simulate_contact(fixed_->model, *fixed_->shapes, q(), v(), h,
-                                           h / std::max(1.0, parts), fixed_->options);
-  if (!part.complete)
-    throw std::runtime_error("in the communication step from t = " + std::to_string(this->t()) +
-                             " s, where times count from its start, the motion ends " + part.stop_reason);
-  const std::size_t last = part.size() - 1, nv = tau_.size();
-  run_.a = (as_eigen(part.v(last)) - as_eigen(part.v(last - 1))) / (part.t()[last] - part.t()[last - 1]);
-  run_.q = as_eigen(part.q(last));
-  run_.v = as_eigen(part.v(last));
-  run_.trajectory = Trajectory(fixed_->model);
-  run_.trajectory.append(before + h, q(), v(), a(), part.tau().subspan(last * nv, nv));
+  ContactSimulationRun& run = contact_->run();
+  const double h = t - t_0_ - run.now();
+  contact_->continue_until(t - t_0_);
+  if (adaptive_)
+    contact_->take_steps(tolerances_);
+  else
+    contact_->take_steps(h / std::max(1.0, std::ceil(h / usual_step_with_contact - 1e-9)));
+  if (!run.trajectory.complete) throw std::runtime_error(run.trajectory.stop_reason);
+  forget_past(run);
+  run_.q = run.q;
+  run_.v = run.v;
+  run_.a = run.a;
+  run_.drives() = run.drives();
+  run_.trajectory = run.trajectory;
 }
 
-/// Removes all states of the trajectory except the last one.
-void SteppedMotion::forget_past() {
-  const Trajectory& all = run_.trajectory;
+/// Removes all states of the trajectory of a run except the last one.
+void SteppedMotion::forget_past(SimulationRun& run) {
+  const Trajectory& all = run.trajectory;
   const std::size_t last = all.size() - 1, nv = tau_.size();
   Trajectory end(fixed_->model);
   end.set_drive_states({all.drive_states().begin(), all.drive_states().end()});
   end.append(all.t()[last], all.q(last), all.v(last), all.a(last), all.tau().subspan(last * nv, nv),
              all.x(last), all.dx(last));
-  run_.trajectory = std::move(end);
+  run.trajectory = std::move(end);
 }
 
 }  // namespace axode::fmi

@@ -6,6 +6,7 @@
 
 #include "axode/contact/contact_shapes.hpp"
 #include "axode/fmi/variables.hpp"
+#include "axode/integration/momenta/contact_motion.hpp"
 #include "axode/integration/runs/simulation_run.hpp"
 
 namespace axode::fmi {
@@ -20,15 +21,15 @@ inline bool moves_with_contact(const Model& model) {
 
 /// A motion in a co-simulation, integrated from one communication point to the next as by simulate(): loops
 /// are closed at the end of each step, and steps end where dry friction, drives or couplings with play
-/// change. If moves_with_contact(), it is integrated as by simulate_contact() instead, and its state at a
-/// communication point is (q, v) alone. Drive forces and loads are constant between communication points.
+/// change. If moves_with_contact(), it is integrated as by simulate_contact() instead. Drive forces and loads
+/// are constant between communication points.
 class SteppedMotion {
  public:
   using Span = std::span<const double>;
 
   /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description. Without
-  /// a relative tolerance, the tolerances of simulate() hold; a motion with contact takes steps of the usual
-  /// length, or shorter ones. Throws std::invalid_argument for a state in which a motion cannot start, and if
+  /// a relative tolerance, the tolerances of simulate() hold; a motion with contact then takes equal steps of
+  /// the usual length, or shorter ones, and with a tolerance adaptive steps. Throws std::invalid_argument for a state in which a motion cannot start, and if
   /// t is not 0 and the mechanism has prescribed motions or drives.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
                 std::optional<double> tolerance);
@@ -62,7 +63,7 @@ class SteppedMotion {
   };
   static std::shared_ptr<Fixed> fixed(const Model& model, const Settings& settings);
   void check() const;
-  void forget_past();
+  void forget_past(SimulationRun& run);
   void advance_with_contact(double t);
   void act();
 
@@ -70,8 +71,10 @@ class SteppedMotion {
   std::vector<double> tau_;
   std::vector<AppliedWrench<>> loads_;
   double t_0_;
+  bool adaptive_;  ///< whether the simulator has given a tolerance
   Tolerances tolerances_;
-  SimulationRun run_;
+  SimulationRun run_;  ///< with contact, it has the present state alone
+  std::unique_ptr<ContactMotion> contact_;
 };
 
 }  // namespace axode::fmi

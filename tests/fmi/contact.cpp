@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "axode/integration.hpp"
+#include "tests/contact/scene.hpp"
 #include "tests/fmi/instance_of.hpp"
 
 /// Co-simulations with contact and hard stops.
@@ -62,7 +63,7 @@ TEST(FmuContact, BouncesAsInTheLibraryAndNearlyByTheClosedForm) {
     const std::vector<double> q_0{0.1 + drop}, v_0{0};
     const Trajectory motion = simulate_contact(model, q_0, v_0, 0.5, 1e-3);
     Instance instance = instance_of(model, Kind::co_simulation);
-    start(instance, table, q_0, v_0, 1e-9);
+    start(instance, table, q_0, v_0);
     advance(instance, 5, 0.1);
     const double t = 0.5 - first, q = values(instance, reference(table, "q.rail"))[0],
                  v = values(instance, reference(table, "v.rail"))[0];
@@ -74,22 +75,67 @@ TEST(FmuContact, BouncesAsInTheLibraryAndNearlyByTheClosedForm) {
   }
 }
 
-/// Each communication step begins without the impulses of the last one, from which the library continues.
-TEST(FmuContact, IsThatOfTheLibraryInStepsOfTheUsualLength) {
+/// With a tolerance of the master, steps are adaptive, so that impacts are found as well as it asks.
+TEST(FmuContact, IsAsExactAsTheToleranceOfTheMaster) {
+  constexpr double e = 0.6, g = 10, speed = 3.1622776601683795, first = speed / g, t = 0.5 - first;
+  const Model model = hopping_ball(e);
+  const fmi::VariableTable table = variables_of(model);
+  double before = 0.1;
+  for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
+    Instance instance = instance_of(model, Kind::co_simulation);
+    start(instance, table, {{0.1 + drop}}, {{0}}, tolerance);
+    advance(instance, 5, 0.1);
+    const double error =
+        std::abs(values(instance, reference(table, "q.rail"))[0] - (0.1 + e * speed * t - g * t * t / 2));
+    EXPECT_LE(error, 20 * tolerance);
+    EXPECT_LT(error, before);
+    before = error;
+  }
+}
+
+/// Each communication step continues from the impulses of the last one, as the library does. All times are
+/// binary fractions, so that both take the same steps.
+TEST(FmuContact, IsThatOfTheLibraryInStepsOfTheUsualLengthToTheLastBit) {
+  constexpr double step = 0x1p-10, communication = 8 * step;
+  constexpr int count = 12;
   const Model model = shipped("quadruped.toml");
   const fmi::VariableTable table = variables_of(model);
   const InitialState at = initial_state(model);
   SimulationOptions options;
   options.joint_losses = true;
-  const Trajectory motion = simulate_contact(model, at.q, at.v, 0.1, 1e-3, options);
+  options.drive = [](double, std::span<const double>, std::span<const double>, std::span<double> tau) {
+    std::ranges::fill(tau, 0.0);
+  };
+  options.computed_loads = [](double, std::span<const double>, std::span<const double>,
+                              std::vector<AppliedWrench<>>&) {};
+  const Trajectory motion = simulate_contact(model, at.q, at.v, count * communication, step, options);
   ASSERT_TRUE(motion.complete) << motion.stop_reason;
   Instance instance = instance_of(model, Kind::co_simulation, {.joint_losses = true});
   start(instance, table, at.q, at.v);
-  advance(instance, 10, 0.01);
-  const std::vector<double> q = values(instance, references(table, Role::coordinate)),
-                            v = values(instance, references(table, Role::velocity));
-  for (std::size_t k = 0; k < q.size(); ++k) EXPECT_NEAR(q[k], motion.q(motion.size() - 1)[k], 1e-6);
-  for (std::size_t k = 0; k < v.size(); ++k) EXPECT_NEAR(v[k], motion.v(motion.size() - 1)[k], 1e-5);
+  advance(instance, count, communication);
+  const std::size_t last = motion.size() - 1;
+  EXPECT_TRUE(std::ranges::equal(values(instance, references(table, Role::coordinate)), motion.q(last)));
+  EXPECT_TRUE(std::ranges::equal(values(instance, references(table, Role::velocity)), motion.v(last)));
+}
+
+TEST(FmuContact, CarriesDrives) {
+  const Model model = ModelBuilder(hopper()).build();
+  const fmi::VariableTable table = variables_of(model);
+  const std::vector<double> q_0{0.8, 0}, v_0{0, 0};
+  const Trajectory motion = simulate_contact(model, q_0, v_0, 0.4, 1e-3);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  Instance instance = instance_of(model, Kind::co_simulation);
+  start(instance, table, q_0, v_0);
+  advance(instance, 40, 0.01);
+  const std::size_t last = motion.size() - 1;
+  const auto expect = [&](Role role, std::span<const double> expected) {
+    const std::vector<double> found = values(instance, references(table, role));
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], expected[k], 1e-8);
+  };
+  expect(Role::coordinate, motion.q(last));
+  expect(Role::velocity, motion.v(last));
+  expect(Role::drive_state, motion.x(last));
 }
 
 TEST(FmuContact, CarriesForcesOfTheMaster) {

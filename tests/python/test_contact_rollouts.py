@@ -143,3 +143,14 @@ def test_drives_act_as_in_simulate_bit_for_bit():
     np.testing.assert_allclose(called.q, found.q, atol=1e-9)
     with pytest.raises(ValueError, match="x: expected shape"):
         axode.rollout(m, q, v, np.zeros((2, 5, 1)), STEP, contact=True, x=[1.0])
+
+
+def test_loops_may_be_open_where_no_motion_begins():
+    m = axode.Builder("double pendulum with a rod").body(
+        "one", joint={"kind": "revolute", "axis": "y", "point": [0, 0, 0]}, mass=1, com=[0.5, 0, 0], inertia=[0.1] * 3).body(
+        "two", on="one", joint={"kind": "revolute", "axis": "y", "point": [1, 0, 0]}, mass=1, com=[1.5, 0, 0], inertia=[0.1] * 3).loop(
+        "two", "ground", kind="rod", points=[[2, 0, 0], [3, 0, 0.5]], length=1.3).build()
+    q, v = axode.assemble(m, m.neutral()).q, np.zeros(2)
+    assert np.abs(axode.loop_residual(m, m.neutral())).max() > 0.1
+    found = axode.rollout(m, q, v, np.zeros((20, 2)), STEP, contact=True)
+    np.testing.assert_array_equal(found.q, axode.simulate(m, q, v, 20 * STEP, step=STEP, contact=True).q)
