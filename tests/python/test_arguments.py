@@ -179,6 +179,9 @@ WRONG_CALLS = {
     "exp needs 'X' as well": lambda: axode.lie.exp(),
     "mass_matrix: m: expected an axode.Model, got int": lambda: axode.mass_matrix(3, Q),
     "mass_matrix: threads: expected a whole number, got float": lambda: axode.mass_matrix(ARM, Q, threads=1.5),
+    "mass_matrix: threads is 4294967296; it is too large": lambda: axode.mass_matrix(ARM, Q, threads=2**32),
+    "Model.random: seed is -1; it must not be negative": lambda: ARM.random(seed=-1),
+    "Model.from_dict: drawing: expected a dict, got list": lambda: axode.Model.from_dict([]),
     "inverse_dynamics: joint_losses: expected True or False, got str":
         lambda: axode.inverse_dynamics(ARM, Q, V, A, joint_losses="no"),
     "mass_matrix: q: expected numpy.typing.ArrayLike, got NoneType": lambda: axode.mass_matrix(ARM, None),

@@ -58,7 +58,7 @@ def signature_without_self(method: Any) -> inspect.Signature:
 #: The requirement on an argument in words, by its annotation, as far as Python can check it.
 KINDS = {"Model": (_axode.Model, "an axode.Model"), "axode._axode.Model": (_axode.Model, "an axode.Model"),
          "int": (numbers.Integral, "a whole number"), "float": (numbers.Real, "a number"), "bool": (bool, "True or False"),
-         "str": (str, "a text")}
+         "str": (str, "a text"), "dict[str, typing.Any]": (dict, "a dict")}
 
 
 def in_words(names: list[str]) -> str:
@@ -104,6 +104,9 @@ def explanation(function: Any, given: list[Any], by_name: dict[str, Any]) -> str
         kind, expected = KINDS.get(annotation.removesuffix(" | None"), (object, annotation))
         if not isinstance(value, kind) or (value is None and "None" not in annotation):
             return f"{callee}: {x.name}: expected {expected}, got {type(value).__name__}"
+    for name, value in values.items():
+        if isinstance(value, numbers.Integral) and not 0 <= value < 2**31:
+            return f"{callee}: {name} is {value}; " + ("it must not be negative" if value < 0 else "it is too large")
     return None
 
 
