@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "axode/io/pose.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
+
 namespace axode::io {
 namespace {
 
@@ -241,6 +244,14 @@ double XmlReader::bound(const XMLElement& e, const char* key, const std::string&
   if (x.broken == Rule::non_finite_number && std::isinf(x.value)) return x.value;
   const double limit = scalar(e, key, owner, otherwise);
   return std::abs(limit) < unbounded ? limit : std::copysign(std::numeric_limits<double>::infinity(), limit);
+}
+
+SO3<> XmlReader::roll_pitch_yaw(const std::array<double, 3>& angles, const std::string& subject,
+                                const std::string& owner, int line) {
+  if (auto complaint = degrees_complaint(subject, angles))
+    note(lenient_severity(), Rule::wrong_value, owner, std::move(*complaint), line);
+  const auto [roll, pitch, yaw] = angles;
+  return from_roll_pitch_yaw({roll, pitch, yaw});
 }
 
 void XmlReader::read_geometry(const XMLElement& e, ShapeDescription shape, const std::string& owner,

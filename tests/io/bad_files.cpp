@@ -108,6 +108,9 @@ TEST(BadFiles, ThoseThatAreOnlyDoubtfulAreLoadedWithTheSameFaultsAsWarnings) {
                                        "limits_crossed.sdf",
                                        "mimic_of_unknown_joint.sdf",
                                        "shape_without_size.sdf",
+                                       "rpy_in_degrees.toml",
+                                       "rpy_in_degrees.urdf",
+                                       "pose_in_degrees.sdf",
                                        "collision_sphere_of_radius_0.toml"};
   for (const auto& entry : std::filesystem::directory_iterator(bad_folder())) {
     const std::string name = entry.path().filename().string();

@@ -409,6 +409,16 @@ TEST(Sdf, WhatIsNotUnderstoodIsNamedOnce) {
                            HasSubstr("test.sdf:6: warning: <plugin>")));
 }
 
+TEST(Sdf, LinksWithoutWeightAndKinematicLinksAreNamed) {
+  const Model model =
+      model_of(in_model(held("a") + link("a", "<gravity>1</gravity><kinematic>0</kinematic>") +
+                        link("b", "<gravity>false</gravity>") + link("c", "<kinematic>true</kinematic>")));
+  EXPECT_THAT(
+      messages(model),
+      UnorderedElementsAre(HasSubstr("link \"b\": has no weight in SDFormat; in axode it has one"),
+                           HasSubstr("link \"c\": is kinematic in SDFormat; in axode forces move it")));
+}
+
 TEST(Sdf, WhatIsCalledGroundHasAnotherName) {
   const Model model = model_of(in_model(held("base") + link("base") + link("ground") + link("ground_2") +
                                         joint("j", "revolute", "base", "ground") +

@@ -395,14 +395,15 @@ Reading read_drawing(std::string_view text, const std::string& file, Strictness 
   }
   const toml::Document document = toml::parse(text);
   if (!document.failure) return read_drawing(document.root(), file, strictness);
-  Notes{result.faults, file}.error(Rule::syntax, "", document.failure->message, document.failure->line);
+  Notes{result.faults, file, strictness}.error(Rule::syntax, "", document.failure->message,
+                                               document.failure->line);
   return result;
 }
 
 Reading read_drawing(const toml::Value& drawing, const std::string& file, Strictness strictness) {
   Reading result;
   result.description.source = {file, 0};
-  const Notes notes{result.faults, file};
+  const Notes notes{result.faults, file, strictness};
   Table top(notes, drawing, "drawing");
   read_top(top, result.description);
   if (strictness == Strictness::lenient) forgive(result);

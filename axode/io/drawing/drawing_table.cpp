@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "axode/io/pose.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
 
 namespace axode::io {
 namespace {
@@ -223,7 +224,12 @@ SO3<> Table::rotation() {
             "quaternion has a norm that differs from 1 by more than 1e-6; its order is x, y, z, w",
             look("quaternion"));
   }
-  if (const auto angles = vector("rpy")) R = from_roll_pitch_yaw(*angles);
+  if (const auto angles = numbers<3>("rpy")) {
+    const auto [roll, pitch, yaw] = *angles;
+    R = from_roll_pitch_yaw({roll, pitch, yaw});
+    if (auto complaint = degrees_complaint("rpy is", *angles))
+      notes_.doubt(Rule::wrong_value, element_, std::move(*complaint), look("rpy")->line);
+  }
   return R.value_or(SO3<>{});
 }
 

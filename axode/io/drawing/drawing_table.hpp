@@ -30,9 +30,15 @@ inline constexpr std::array<std::string_view, 2> frame_names{"construction", "bo
 struct Notes {
   std::vector<Fault>& faults;
   std::string file;
+  Strictness strictness;
 
   void error(Rule rule, std::string element, std::string message, int line) const {
     faults.push_back({Severity::error, rule, std::move(element), std::move(message), {file, line}});
+  }
+  /// Adds a defect that is accepted by lenient readers: an error for a strict one, else a warning.
+  void doubt(Rule rule, std::string element, std::string message, int line) const {
+    const Severity severity = strictness == Strictness::lenient ? Severity::warning : Severity::error;
+    faults.push_back({severity, rule, std::move(element), std::move(message), {file, line}});
   }
 };
 

@@ -26,7 +26,7 @@ std::span<const Grammar> sdf_grammar() {
        {"static", "pose"},
        {"link", "joint", "frame", "model", "include"}},
       {"frame", {"name", "attached_to"}, {"pose"}},
-      {"link", {"name"}, {"pose", "inertial"}, {"visual", "collision"}},
+      {"link", {"name"}, {"pose", "inertial", "gravity", "kinematic"}, {"visual", "collision"}},
       {"inertial", {"auto"}, {"mass", "pose", "inertia"}},
       {"inertia", {}, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
       {"visual", {"name"}, {"pose", "geometry", "material", "transparency"}},
@@ -100,9 +100,9 @@ class SdfReader : SdfMechanism {
       error(Rule::wrong_value, owner, what + " is " + in_quotes(text) + "; it is true or false", line);
     return yes;
   }
-  bool child_truth(const XMLElement& e, const char* child, const std::string& owner) {
+  bool child_truth(const XMLElement& e, const char* child, const std::string& owner, bool otherwise = false) {
     const XMLElement* given = e.FirstChildElement(child);
-    return given != nullptr && truth(text_of(*given), tag(*given), owner, given->GetLineNum());
+    return given == nullptr ? otherwise : truth(text_of(*given), tag(*given), owner, given->GetLineNum());
   }
 
   Pose pose(const XMLElement& e, const std::string& owner) {
@@ -141,7 +141,8 @@ class SdfReader : SdfMechanism {
       result.X.R = R.value_or(SO3<>{});
     } else {
       const double unit = in_degrees ? std::numbers::pi / 180 : 1;
-      result.X.R = from_roll_pitch_yaw(unit * Vec3<>{n[3], n[4], n[5]});
+      result.X.R =
+          roll_pitch_yaw({unit * n[3], unit * n[4], unit * n[5]}, "the angles of <pose> are", owner, line);
     }
     return result;
   }
@@ -288,6 +289,11 @@ class SdfReader : SdfMechanism {
     inspect(e, owner);
     read_pose(e, owner, link.frame);
     link.body.inertia = read_inertial(e, owner, is_static);
+    const auto differs = [&](const char* message) {
+      if (!is_static) note(Severity::warning, Rule::unknown_element, owner, message, e.GetLineNum());
+    };
+    if (!child_truth(e, "gravity", owner, true)) differs("has no weight in SDFormat; in axode it has one");
+    if (child_truth(e, "kinematic", owner)) differs("is kinematic in SDFormat; in axode forces move it");
     for (const XMLElement* shape : children(e)) {
       if (shape->Name() == std::string_view("visual"))
         read_shape(*shape, ShapeDescription::Role::visual, owner, link);

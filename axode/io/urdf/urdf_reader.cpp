@@ -121,7 +121,8 @@ class UrdfReader : XmlReader {
     if (e.Attribute("rpy") != nullptr && e.Attribute("quat_xyzw") != nullptr)
       error(Rule::wrong_value, owner, tag(e) + " gives both rpy and quat_xyzw; one is enough",
             e.GetLineNum());
-    if (const auto angles = vector(e, "rpy", owner)) pose.R = from_roll_pitch_yaw(*angles);
+    if (const auto angles = numbers<3>(e, "rpy", owner))
+      pose.R = roll_pitch_yaw(*angles, tag(e) + " rpy is", owner, e.GetLineNum());
     if (const auto x = numbers<4>(e, "quat_xyzw", owner)) {
       const auto R = from_quaternion({(*x)[0], (*x)[1], (*x)[2], (*x)[3]});
       if (!R)
@@ -373,9 +374,11 @@ class UrdfReader : XmlReader {
       const std::string owner = "joint \"" + c.name + '"';
       const int line = c.joint.source.line;
       if (!c.parent.empty() && !link_index_.contains(c.parent)) {
-        error(Rule::unknown_predecessor, owner,
-              "its parent is link " + in_quotes(c.parent) + ", which is not described" + nearest(c.parent),
-              line);
+        error(
+            Rule::unknown_predecessor, owner,
+            "its parent is link " + in_quotes(c.parent) + ", which is not described" +
+                (c.parent == "world" ? "; a URDF describes it by <link name=\"world\"/>" : nearest(c.parent)),
+            line);
         c.parent = "ground";
       }
       if (c.child.empty()) continue;

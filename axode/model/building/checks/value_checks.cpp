@@ -22,6 +22,22 @@ void not_negative(const FaultySubject& at, std::initializer_list<std::pair<std::
       at.error(Rule::negative_value, what + " is " + to_text(value) + "; it must not be negative");
 }
 
+std::optional<std::string> degrees_complaint(std::string_view subject, std::span<const double> angles) {
+  constexpr double two_turns = 4 * std::numbers::pi, most = 720, round = 5, degree = std::numbers::pi / 180;
+  const auto looks_like_degrees = [](double x) {
+    return std::abs(x) > two_turns && std::abs(x) <= most && std::fmod(x, round) == 0;
+  };
+  if (std::ranges::none_of(angles, looks_like_degrees)) return std::nullopt;
+  const auto list = [&](double unit) {
+    std::string text;
+    for (std::size_t k = 0; k < angles.size(); ++k)
+      text += (k == 0 ? "" : k + 1 == angles.size() ? " and " : ", ") + to_text(angles[k] * unit);
+    return text + " rad";
+  };
+  return std::string(subject) + " " + list(1) + ", which look like degrees; as degrees they would be " +
+         list(degree);
+}
+
 namespace {
 
 constexpr double rotation_tolerance = 1e-6;
@@ -42,17 +58,10 @@ bool is_angle(JointKind kind, std::size_t k) {
   }
 }
 
-/// Reports limits of an angle (rad) that look like degrees: a multiple of 5 from two turns in rad up to 720.
+/// Reports limits of an angle (rad) that look like degrees.
 void angle_limits(const FaultySubject& at, const Dof& dof) {
-  constexpr double two_turns = 4 * std::numbers::pi, most = 720, round = 5;
-  const auto looks_like_degrees = [](double x) {
-    return std::abs(x) > two_turns && std::abs(x) <= most && std::fmod(x, round) == 0;
-  };
-  if (!looks_like_degrees(dof.lower) && !looks_like_degrees(dof.upper)) return;
-  const auto in_radians = [](double x) { return to_text(x * (std::numbers::pi / 180)); };
-  at.report_lenient(Rule::wrong_value, "limits are " + to_text(dof.lower) + " and " + to_text(dof.upper) +
-                                           " rad, which look like degrees; as degrees they would be " +
-                                           in_radians(dof.lower) + " and " + in_radians(dof.upper) + " rad");
+  if (const auto complaint = degrees_complaint("limits are", std::array{dof.lower, dof.upper}))
+    at.report_lenient(Rule::wrong_value, *complaint);
 }
 
 void warn_of_friction(const FaultySubject& at, const std::string& what, double mu) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,6 +56,10 @@ void not_negative(const FaultySubject& at, std::initializer_list<std::pair<std::
 bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, double>> values);
 bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, Vec3<>>> values);
 bool are_finite(const FaultySubject& at, const std::string& key, std::span<const double> values);
+
+/// The complaint about angles in rad of which one looks like degrees, a multiple of 5 from two turns in rad
+/// up to 720, such as `limits are 0 and 90 rad, which look like degrees; ...`; empty if none does.
+std::optional<std::string> degrees_complaint(std::string_view subject, std::span<const double> angles);
 
 /// Checks that return whether all numbers are finite and all rotation matrices orthonormal.
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
