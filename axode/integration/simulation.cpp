@@ -127,7 +127,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
                           const SimulationOptions& options, bool stabilized) {
   check_step(step);
   if (!(rho >= 0 && rho <= 1))
-    throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
+    throw std::invalid_argument("spectral radius is " + to_text(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
     check_no_plays(model, "absolute coordinates");
     check_exponential(options, "generalised-alpha");
@@ -293,7 +293,8 @@ void check_tolerances(const Tolerances& tolerances) {
                                 {"first step", tolerances.first_step},
                                 {"largest step", tolerances.largest_step}})
     if (!(x >= 0) || !std::isfinite(x))
-      throw std::invalid_argument(std::string(name) + " is " + std::to_string(x) + "; expected 0 or more");
+      throw std::invalid_argument(std::string(name) + " is " + to_text(x) +
+                                  "; expected a finite number, 0 or more");
   if (tolerances.relative == 0 && tolerances.absolute == 0)
     throw std::invalid_argument("relative and absolute tolerance are 0; at least one must be positive");
 }

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "axode/model/building/fault.hpp"
+
 namespace axode {
 
 void check(const Tableau& tableau) {
@@ -30,7 +32,7 @@ void check(const Tableau& tableau) {
 
 void check_step(double step) {
   if (!(step > 0) || !std::isfinite(step))
-    throw std::invalid_argument("step is " + std::to_string(step) + "; expected a time of more than 0 s");
+    throw std::invalid_argument("step is " + to_text(step) + " s; expected a finite time of more than 0 s");
 }
 
 const Tableau& runge_kutta(int order) {

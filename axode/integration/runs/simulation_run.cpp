@@ -63,7 +63,7 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   check_size("v", v_0.size(), static_cast<std::size_t>(model.nv()), "nv");
   if (!finite(v)) throw std::invalid_argument("v is not finite");
   if (!(until >= 0) || !std::isfinite(until))
-    throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
+    throw std::invalid_argument("until is " + to_text(until) + " s; expected a finite time of 0 s or more");
   check_loads(model, loads());
   if (loops_) {
     loops_->motions().check_times(0, until);

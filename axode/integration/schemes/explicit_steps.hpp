@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "axode/integration/runs/simulation_run.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
+#include "axode/model/building/fault.hpp"
 
 /// Loops over the steps of explicit methods. The argument `run` is a simulation, such as a SimulationRun,
 /// with the present q, v and a, accelerate() for accelerations, and take_up_to(), which accepts a step up to
@@ -14,10 +17,15 @@
 namespace axode {
 
 /// Takes equal steps from the present time to `until`; the last one may be shorter. take(t_1) computes the step
-/// to t_1; if it fails, the motion ends.
+/// to t_1; if it fails, the motion ends. Throws std::invalid_argument if there are more than `most_steps`,
+/// whose states no memory holds.
 template <class Run, class Take> void each_step(Run& run, double until, double step, const Take& take) {
   if (run.done()) return;
+  constexpr double most_steps = 1e9;
   const double begin = run.now(), whole = std::ceil((until - begin) / step - 1e-9);
+  if (whole > most_steps)
+    throw std::invalid_argument("step is " + to_text(step) + " s, and a motion of " + to_text(until - begin) +
+                                " s has at most 1e9 steps; choose a longer step, or a shorter motion");
   for (double k = 1; k <= whole && !run.done(); ++k)
     if (Failure failure = take(k == whole ? until : begin + k * step)) run.stop(failure);
 }
