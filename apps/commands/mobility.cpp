@@ -254,7 +254,13 @@ void add_mobility(CLI::App& app, int& exit_code) {
   mobility
       ->add_option("--length", options->mobility.length,
                    "Length by which lengths are divided, m; default: the mean distance between two joints")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Validator(
+          [](const std::string& word) {
+            double length = 0;
+            const bool positive = CLI::detail::lexical_cast(word, length) && length > 0;
+            return positive ? "" : "\"" + word + "\" is not a positive number of m";
+          },
+          "POSITIVE"));
   mobility->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
   mobility->footer(footer);

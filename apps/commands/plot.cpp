@@ -70,7 +70,7 @@ class TableReader {
       : file_(file), known_(known), bars_(bars), log_(log), most_panels_(most_panels) {}
 
   std::vector<Panel> panels() {
-    for_rows_of_csv(read_text(file_), [&](std::size_t line, const std::vector<std::string>& cells) {
+    for_rows_of_csv(file_, [&](std::size_t line, const std::vector<std::string>& cells) {
       if (curves_.empty()) return read_headings(cells);
       if (cells.size() != curves_.size() + 1)
         throw InputError(fmt::format("{}:{}: there are {} columns; the first line has {}", file_, line,
@@ -102,6 +102,8 @@ class TableReader {
       throw InputError(
           file_ +
           ": there is only one column; the first one is the horizontal axis, and the others are drawn");
+    if (std::ranges::all_of(cells, [](const std::string& cell) { return number_in(cell).has_value(); }))
+      throw InputError(file_ + ": the first line has numbers; write the names of the columns there");
     x_axis_ = with_unit(cells.front());
     for (std::size_t k = 1; k < cells.size(); ++k) {
       auto [panel, name] = split(cells[k]);

@@ -39,7 +39,7 @@ class SweepReader {
 
   Sweep read() {
     std::vector<Cells> rows;
-    for_rows_of_csv(read_text(file_), [&](std::size_t, const Cells& cells) { rows.push_back(cells); });
+    for_rows_of_csv(file_, [&](std::size_t, const Cells& cells) { rows.push_back(cells); });
     if (rows.size() < 2)
       throw InputError(file_ + ": expected a line with the names of columns, and states below it");
     const std::vector<Column> columns = columns_of(rows[0]);

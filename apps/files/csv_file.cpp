@@ -1,13 +1,20 @@
 #include "apps/files/csv_file.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
+
+#include "apps/files/text_file.hpp"
+#include "apps/shell/commands.hpp"
 
 namespace axode::command {
 
-void for_rows_of_csv(std::string_view text,
+void for_rows_of_csv(const std::string& file,
                      const std::function<void(std::size_t, const std::vector<std::string>&)>& row) {
+  const std::string content = read_text(file);
+  const std::string_view text = content;
   std::vector<std::string> cells;
-  std::size_t line = 1, begin = 1;
+  std::size_t line = 1, begin = 1, quote = 1;
   bool quoted = false;
   const auto cell = [&]() -> std::string& {
     if (cells.empty()) {
@@ -28,19 +35,22 @@ void for_rows_of_csv(std::string_view text,
         into += text[k++];
       } else {
         quoted = !quoted;
+        quote = line;
       }
     } else if (quoted) {
       cell() += c;
-    } else if (c == '\n') {
+    } else if (c == '\n' || c == '\r') {
       end();
     } else if (c == ',') {
       cell();
       cells.emplace_back();
-    } else if (c != '\r') {
+    } else {
       cell() += c;
     }
-    if (c == '\n') ++line;
+    if (c == '\n' || (c == '\r' && !text.substr(k + 1).starts_with('\n'))) ++line;
   }
+  if (quoted)
+    throw InputError(fmt::format("{}:{}: a quote (\") is opened here and never closed", file, quote));
   end();
 }
 

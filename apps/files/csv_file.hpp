@@ -5,11 +5,13 @@
 #include <string_view>
 #include <vector>
 
-/// Comma-separated values (CSV). A cell in quotes may contain commas, line ends and doubled quotes.
+/// Comma-separated values (CSV). A cell in quotes may contain commas, line ends and doubled quotes. Lines end
+/// with LF, CR LF or CR.
 namespace axode::command {
 
-/// Calls row(line, cells) for each row that is not empty, with the number of its first line, from 1.
-void for_rows_of_csv(std::string_view text,
+/// Calls row(line, cells) for each row of a file that is not empty, with the number of its first line, from
+/// 1. Throws InputError if the file cannot be read, or a quote in it is never closed.
+void for_rows_of_csv(const std::string& file,
                      const std::function<void(std::size_t line, const std::vector<std::string>& cells)>& row);
 
 /// The number in a cell, inf and nan included; empty if the cell contains anything else.

@@ -39,6 +39,8 @@ void gather(const std::vector<std::string>& headings, const std::vector<std::vec
   for (const std::string& name : names) {
     const std::string heading = name.empty() ? what : what + " " + name;
     const auto found = std::ranges::find(headings, heading);
+    if (std::ranges::count(headings, heading) > 1)
+      refuse(fmt::format("{}: the column \"{}\" is given more than once", file, heading));
     if (found == headings.end() && at.empty()) return;
     if (found == headings.end()) refuse(fmt::format("{}: there is no column \"{}\"", file, heading));
     at.push_back(static_cast<std::size_t>(found - headings.begin()));
@@ -81,7 +83,7 @@ void gather_loads(const Model& model, const std::vector<std::string>& headings, 
 Tables read_csv(const Model& model, const std::string& file) {
   std::vector<std::string> headings;
   std::vector<std::vector<double>> lines;
-  for_rows_of_csv(read_text(file), [&](std::size_t number, const std::vector<std::string>& words) {
+  for_rows_of_csv(file, [&](std::size_t number, const std::vector<std::string>& words) {
     if (headings.empty()) return void(headings = words);
     if (words.size() != headings.size())
       refuse(fmt::format("{}:{}: there are {} columns; the first line has {}", file, number, words.size(),
@@ -167,6 +169,22 @@ void read_load_frames(const Model& model, const Json& json, const std::string& f
   }
 }
 
+/// Refuses the motion of a mechanism whose coordinates or velocities have other names, or another order.
+void check_names(const Model& model, const Json& json, const std::string& file) {
+  for (const auto& [key, names] :
+       {std::pair{"coordinates", coordinate_names(model)}, {"velocities", velocity_names(model)}}) {
+    if (!json.contains(key)) continue;
+    const Json& given = json[key];
+    if (!given.is_array() || given.size() != names.size())
+      refuse(fmt::format("{}: {} must be the names of the {} {} of model \"{}\"", file, key, names.size(),
+                         key, model.name()));
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (given[k] != names[k])
+        refuse(fmt::format("{}: {}[{}] is {}; that of model \"{}\" is \"{}\"", file, key, k, given[k].dump(),
+                           model.name(), names[k]));
+  }
+}
+
 Tables read_json(const Model& model, const std::string& file, ShownMotion& motion) {
   const auto shallow = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > 8) refuse(file + ": it is nested deeper than a motion");
@@ -179,6 +197,7 @@ Tables read_json(const Model& model, const std::string& file, ShownMotion& motio
     refuse(file + ": this is not JSON: " + reason_of(error));
   }
   if (!json.is_object()) refuse(file + ": expected an object with t, q and v");
+  check_names(model, json, file);
   Tables tables;
   for (const char* name : {"t", "q", "v", "a", "tau", "loads"}) {
     if (!json.contains(name)) continue;
@@ -224,7 +243,7 @@ Rows read_npy(const std::string& bytes, const std::string& name) {
       data(&bytes[begin + length], bytes.size() - begin - length);
   if (!header_value(header, "'descr': ").starts_with("'<f8'") ||
       !header_value(header, "'fortran_order': ").starts_with("False"))
-    wrong("it is not an array of float64 in C order");
+    wrong("it is not an array of float64 in C order; save numpy.ascontiguousarray(x, float)");
   std::vector<std::size_t> shape;
   std::string_view list = header_value(header, "'shape': (");
   list = list.substr(0, list.find(')'));
@@ -301,6 +320,9 @@ ShownMotion read_motion(const Model& model, const std::string& file) {
   const auto take = [&](const char* name, int width, const char* meaning, bool needed) {
     Rows& rows = tables[name];
     if (rows.rows == 0 && !needed) return std::vector<double>{};
+    if (rows.rows == 0 && width > 0)
+      refuse(fmt::format("{}: there is no {} in it; a motion of model \"{}\" takes {} x {}{}", file, name,
+                         model.name(), N, width, meaning));
     if (rows.rows != N || (N > 0 && rows.columns != static_cast<std::size_t>(width)))
       refuse(fmt::format("{}: {} is {} x {}; model \"{}\" takes {} x {}{}", file, name, rows.rows,
                          rows.columns, model.name(), N, width, meaning));

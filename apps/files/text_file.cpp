@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include "apps/shell/commands.hpp"
+#include "axode/io/reading.hpp"
 
 namespace axode::command {
 namespace {
@@ -26,6 +27,8 @@ namespace fs = std::filesystem;
 [[noreturn]] void refuse(const std::string& file, const std::string& why) {
   throw InputError(file + ": the file cannot be written: " + why);
 }
+/// A file as messages name it.
+std::string named(const std::string& file) { return file == "-" ? "standard input" : file; }
 std::string reason(int error) { return std::strerror(error); }
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
@@ -137,20 +140,34 @@ void write_beside(const std::string& named, const fs::path& file, std::string_vi
 
 }  // namespace
 
-std::string read_text(const std::string& file) {
+std::string read_bytes(const std::string& file) {
   constexpr std::size_t most = std::size_t{256} << 20;  // a device may have no end
   std::string text;
+  const auto fail = [&](const std::string& why) {
+    throw InputError(named(file) + ": the file cannot be read: " + why);
+  };
   const auto read = [&](std::istream& stream) {
     for (std::array<char, 65536> block; stream.read(block.data(), block.size()) || stream.gcount() > 0;) {
       text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
-      if (text.size() > most) throw InputError(file + ": the file has more than 256 MiB");
+      if (text.size() > most) fail("it has more than 256 MiB");
     }
     return !stream.bad();
   };
+  std::error_code unknown;
+  if (file != "-" && fs::is_directory(file, unknown)) fail("it is a folder");
+  errno = 0;
   std::ifstream stream;
-  if (file != "-" && !fs::is_directory(file)) stream.open(file, std::ios::binary);
-  if (file == "-" ? !read(std::cin) : !stream.is_open() || !read(stream))
-    throw InputError(file + ": the file cannot be read");
+  if (file != "-") stream.open(file, std::ios::binary);
+  if (file == "-" ? !read(std::cin) : !stream.is_open() || !read(stream)) fail(reason(errno));
+  return text;
+}
+
+std::string read_text(const std::string& file) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  std::string text = read_bytes(file);
+  if (const std::optional<Fault> fault = io::not_text(text, file))
+    throw InputError(named(file) + ":" + std::to_string(fault->source.line) + ": " + fault->message);
+  if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
   return text;
 }
 

@@ -58,7 +58,7 @@ std::string binary() {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown),
                               installed = program.parent_path() / AXODE_INSTALLED_FMU;
   for (const std::filesystem::path& file : {installed, std::filesystem::path(AXODE_BUILT_FMU)})
-    if (std::filesystem::is_regular_file(file, unknown)) return read_text(file.string());
+    if (std::filesystem::is_regular_file(file, unknown)) return read_bytes(file.string());
   throw InputError("the binary for FMUs is neither " + installed.lexically_normal().string() + " nor " +
                    AXODE_BUILT_FMU + "; build the target axode_fmu");
 }

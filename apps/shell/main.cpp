@@ -37,6 +37,18 @@ std::string full_name(const CLI::App& app) {
   return &command == &app ? app.get_name() : app.get_name() + " " + command.get_name();
 }
 
+/// The message of an error about the value of an option. CLI11 says only "Could not convert: --until = abc".
+std::string refused_value(const CLI::ParseError& error) {
+  const std::string what = error.what(), between = " = ";
+  const std::size_t name = what.find("--"), value = what.find(between);
+  if (error.get_name() != "ConversionError" || name == std::string::npos || value < name) return what;
+  const std::string word = what.substr(value + between.size());
+  double number = 0;
+  const bool is_number = CLI::detail::lexical_cast(word, number);
+  return fmt::format("{}: \"{}\" is {}", what.substr(name, value - name), word,
+                     is_number ? "not a whole number in digits, at most 2147483647" : "not a number");
+}
+
 /// A sentence that explains the error in the command line.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = chosen(app);
@@ -52,7 +64,7 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     return "there is no command \"" + extras.front() + "\"; there are " + list +
            did_you_mean(extras.front(), names, same);
   }
-  if (extras.empty()) return error.what();
+  if (extras.empty()) return refused_value(error);
   const auto long_name = [](const CLI::Option* option) {
     return option->get_lnames().empty() ? "" : "--" + option->get_lnames().front();
   };

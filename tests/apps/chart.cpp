@@ -387,6 +387,7 @@ TEST(PlotOfATable, NamesWhatIsWrong) {
             ": there is only one column; the first one is the horizontal axis, and the others are drawn\n");
   EXPECT_EQ(error("t,q\n1,2\n\n3\n"), ":4: there are 1 columns; the first line has 2\n");
   EXPECT_EQ(error("t,q\n1,two\n"), ":2: \"two\" is not a number\n");
+  EXPECT_EQ(error("0,1\n1,2\n"), ": the first line has numbers; write the names of the columns there\n");
   std::string words = "t";
   for (int k = 0; k < 61; ++k) words += ",c" + std::to_string(k) + " x";
   EXPECT_EQ(

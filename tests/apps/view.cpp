@@ -119,8 +119,8 @@ TEST_F(View, ShowsTheLoadsOfASimulation) {
 }
 
 TEST_F(View, AMotionNeedsNoAccelerationsAndForces) {
-  const std::string file =
-      folder_.write("run.csv", "t,q pin,\"q elbow\",v pin,v elbow,note\r\n0,1,2,3,4,5\r\n\n1,2,3,4,5,6\n");
+  const std::string file = folder_.write(
+      "run.csv", "\xEF\xBB\xBFt,q pin,\"q elbow\",v pin,v elbow,note\r\n0,1,2,3,4,5\r\n\n1,2,3,4,5,6\n");
   ASSERT_EQ(view({pendulum, "--motion", file, "--output", page_}).code, 0);
   const nlohmann::json motion = scene_in(page_)["motion"];
   EXPECT_EQ(motion["q"], nlohmann::json({{1.0, 2.0}, {2.0, 3.0}}));
@@ -141,9 +141,9 @@ TEST_F(View, RefusesMotionsThatDoNotFitInOneSentence) {
   const auto json = [&](const std::string& text) { return error(folder_.write("a.json", text)); };
   const auto npz = [&](const std::string& text) { return error(folder_.write("a.npz", text)); };
   EXPECT_THAT(error(simulated("csv"), robot("arm7.toml")),
-              HasSubstr("q is 0 x 0; model \"arm7\" takes 21 x 7"));
+              HasSubstr("there is no q in it; a motion of model \"arm7\" takes 21 x 7"));
   EXPECT_THAT(error(simulated("json"), robot("arm7.toml")),
-              HasSubstr("q is 21 x 2; model \"arm7\" takes 21 x 7"));
+              HasSubstr("coordinates must be the names of the 7 coordinates of model \"arm7\""));
   EXPECT_THAT(error(simulated("npz"), robot("arm7.toml")),
               HasSubstr("q is 21 x 2; model \"arm7\" takes 21 x 7"));
   EXPECT_THAT(error("none.csv"), HasSubstr("none.csv: the file cannot be read"));
@@ -152,6 +152,13 @@ TEST_F(View, RefusesMotionsThatDoNotFitInOneSentence) {
               HasSubstr("--motion: a.txt: the ending: \".txt\" is none of .json, .csv, .npz"));
   EXPECT_THAT(csv(""), HasSubstr("there are no times in it"));
   EXPECT_THAT(csv("t,q pin\n0,1\n"), HasSubstr("there is no column \"q elbow\""));
+  EXPECT_THAT(csv("t,q pin,q pin,q elbow,v pin,v elbow\n0,1,1,1,1,1\n"),
+              HasSubstr("the column \"q pin\" is given more than once"));
+  EXPECT_THAT(csv("t,q pin,\"q elbow,v pin,v elbow\n0,1,2,3,4\n"),
+              HasSubstr("a.csv:1: a quote (\") is opened here and never closed"));
+  EXPECT_THAT(csv("t,q pin,q elbow,v pin,v elbow\n0,1\r2,3,4,5\n"),
+              HasSubstr("a.csv:2: there are 2 columns"));
+  EXPECT_THAT(csv("t,q p\xEFn\n"), HasSubstr("a.csv:1: a byte is not UTF-8"));
   EXPECT_THAT(csv("t,q pin,q elbow,v pin,v elbow\n0,1,2,3\n"),
               HasSubstr("a.csv:2: there are 4 columns; the first line has 5"));
   EXPECT_THAT(csv("t,q pin,q elbow,v pin,v elbow\n0,1,x,3,4\n"), HasSubstr("a.csv:2: \"x\" is not a number"));
@@ -165,7 +172,9 @@ TEST_F(View, RefusesMotionsThatDoNotFitInOneSentence) {
   EXPECT_THAT(json(R"({"t": [0, 1], "q": [[1, 2], [3]], "v": []})"),
               HasSubstr("q must have a row for each time and a number in each column"));
   EXPECT_THAT(json(R"({"t": [0], "q": [[1, 2]]})"),
-              HasSubstr("v is 0 x 0; model \"double pendulum\" takes 1 x 2"));
+              HasSubstr("there is no v in it; a motion of model \"double pendulum\" takes 1 x 2"));
+  EXPECT_THAT(json(R"({"coordinates": ["elbow", "pin"], "t": [0], "q": [[1, 2]], "v": [[0, 0]]})"),
+              HasSubstr("coordinates[0] is \"elbow\"; that of model \"double pendulum\" is \"pin\""));
   const std::string load_free = R"({"t": [0], "q": [[1, 2]], "v": [[1, 2]], )";
   EXPECT_THAT(
       json(load_free + R"("loads": [[1, 2]]})"),
