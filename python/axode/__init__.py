@@ -135,10 +135,11 @@ from .records import (
     TaskSingularity,
 )
 from .simulation import reconstruct, rollout, simulate
-from .support import former_names as _former_names
+from .support import copies as _copies, former_names as _former_names
 from .viewer import Viewer, view
 
 _former_names.install()
+_copies.install()
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import html
+import io
 import json
+import operator
 import os
 import secrets
 import socket
@@ -77,11 +79,30 @@ def _loads_of(motion: Motion, loads: Loads) -> list[Load]:
             for (frame, representation), wrench in sums.items()]
 
 
+def _text_in(file: Path) -> str:
+    try:
+        return file.read_bytes().decode("utf-8-sig")  # without a byte order mark
+    except UnicodeDecodeError as error:
+        raise ValueError(f"motion: {file} is not UTF-8; save it as UTF-8 text") from error
+
+
+def _json_in(file: Path) -> Any:
+    text = _text_in(file)
+    try:
+        return json.loads(text)
+    except (RecursionError, ValueError) as error:
+        raise ValueError(f"motion: {file} is not JSON: {error}") from error
+
+
 def _table_in(file: Path) -> tuple[list[str], NDArray[np.float64]]:
     """The headings and the numbers of a CSV file."""
-    with file.open(newline="", encoding="utf-8") as lines:
-        reader = csv.reader(lines)
+    reader = csv.reader(io.StringIO(_text_in(file), newline=""))
+    try:
         (_, headings), *rows = [(reader.line_num, row) for row in reader if row] or [(1, [])]
+    except csv.Error as error:
+        raise ValueError(f"motion: {file}: line {reader.line_num}: {error}") from error
+    if twice := [heading for heading in headings if headings.count(heading) > 1]:
+        raise ValueError(f'motion: {file}: the column "{twice[0]}" is given more than once')
     numbers = np.empty((len(rows), len(headings)))
     for k, (line, row) in enumerate(rows):
         if len(row) != len(headings):
@@ -89,11 +110,27 @@ def _table_in(file: Path) -> tuple[list[str], NDArray[np.float64]]:
                              f"the first line has {len(headings)}")
         for c, (heading, cell) in enumerate(zip(headings, row)):
             try:
-                numbers[k, c] = float(cell)
+                numbers[k, c] = float(cell.replace("_", "no number"))  # 1_0 is a number of Python alone
             except ValueError as error:
                 raise ValueError(f'motion: {file}: line {line}: column "{heading}" has "{cell}", '
                                  "which is not a number") from error
     return headings, numbers
+
+
+def _check_fit(m: Model, found: dict[str, Any], file: Path) -> None:
+    """Refuses the motion of another mechanism, and arrays that have no row for each time."""
+    for key, names in (("coordinates", m.coordinate_names), ("velocities", m.velocity_names)):
+        if found.get(key, list(names)) != list(names):
+            raise ValueError(f'motion: {file}: its {key} are {found[key]}; those of model "{m.name}" are {list(names)}')
+    try:
+        t, q, v = (np.shape(found[name]) for name in ("t", "q", "v"))
+    except ValueError as error:
+        raise ValueError(f"motion: {file} has rows of unequal length in t, q or v") from error
+    if t == (0,):
+        raise ValueError(f"motion: {file} has no states")
+    if len(t) != 1 or q != (*t, m.nq) or v != (*t, m.nv):
+        raise ValueError(f'motion: {file}: t, q and v have the shapes {t}, {q} and {v}; those of a motion of model "{m.name}" '
+                         f"are (N,), (N, {m.nq}) and (N, {m.nv})")
 
 
 def _motion_in(m: Model, file: Path) -> Motion:
@@ -104,11 +141,12 @@ def _motion_in(m: Model, file: Path) -> Motion:
             with np.load(file, allow_pickle=False) as arrays:
                 found = {name: arrays[name] for name in (*names, "loads", "load_frames") if name in arrays}
             if "load_frames" in found:
-                found["load_frames"] = [int(frame) for frame in found["load_frames"]]
+                found["load_frames"] = [operator.index(int(frame) if frame == int(frame) else frame)
+                                        for frame in found["load_frames"]]
         except (zipfile.BadZipFile, EOFError, TypeError, ValueError) as error:
             raise ValueError(f"motion: {file} is not an .npz of arrays") from error
     elif file.suffix == ".json":
-        found = json.loads(file.read_text(encoding="utf-8"))
+        found = _json_in(file)
     elif file.suffix == ".csv":
         headings, numbers = _table_in(file)
         place = {heading: k for k, heading in enumerate(headings)}
@@ -127,8 +165,7 @@ def _motion_in(m: Model, file: Path) -> Motion:
     missing = [name for name in names[:3] if not isinstance(found, dict) or name not in found]
     if missing:
         raise ValueError(f"motion: {file} has no {' and no '.join(missing)} of model \"{m.name}\"")
-    if len(found["t"]) == 0:
-        raise ValueError(f"motion: {file} has no states")
+    _check_fit(m, found, file)
     t, q, v, a, tau = (found.get(name) for name in names)
     loads = _loads_in(found["load_frames"], found["loads"], file) if found.get("load_frames") and "loads" in found else None
     return t, q, v, a, tau, _contacts_in(found, file), loads

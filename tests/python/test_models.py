@@ -43,6 +43,15 @@ def test_pickles_keep_warnings_with_their_lines(tmp_path):
     assert pickle.loads(pickle.dumps(m)).warnings == m.warnings
 
 
+def test_what_never_changes_is_its_own_copy_and_says_what_to_pickle_instead():
+    m = axode.load(axode.robots / "double_pendulum.toml")
+    motion = axode.simulate(m, [1, 0], [0, 0], until=0.1)
+    for it, instead in [(motion, "its arrays"), (m.joint("pin"), "the Model"), (m.body("upper rod"), "the Model")]:
+        assert copy.copy(it) is it and copy.deepcopy([it])[0] is it
+        with pytest.raises(TypeError, match=f"a {type(it).__name__} cannot be pickled; pickle {instead}"):
+            pickle.dumps(it)
+
+
 def test_a_pickle_of_something_else_is_refused():
     for state in ((), (1, 2), ("x",) * 6):
         with pytest.raises((ValueError, RuntimeError, TypeError)):

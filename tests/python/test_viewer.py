@@ -200,6 +200,16 @@ def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_l
     (tmp_path / "none.csv").write_text("t,q pin,q elbow,v pin,v elbow\n")
     (tmp_path / "cut.csv").write_text("t,q pin,q elbow,v pin,v elbow\n0,1,1,1,1\n0,1\n")
     (tmp_path / "word.csv").write_text("t,q pin,q elbow,v pin,v elbow\n0,1,x,1,1\n")
+    (tmp_path / "twice.csv").write_text("t,q pin,q elbow,v pin,v elbow,q pin\n0,1,1,1,1,1\n")
+    (tmp_path / "thousands.csv").write_text("t,q pin,q elbow,v pin,v elbow\n0,1_000,1,1,1\n")
+    (tmp_path / "latin.csv").write_bytes("t,q pin,ö\n".encode("latin-1"))
+    (tmp_path / "cut.json").write_text('{"t": [0')
+    (tmp_path / "deep.json").write_text("[" * 100_000)
+    state = {"t": [0.0], "q": [[1.0, 1.0]], "v": [[0.0, 0.0]]}
+    (tmp_path / "other.json").write_text(json.dumps(state | {"coordinates": ["elbow", "pin"]}))
+    (tmp_path / "ragged.json").write_text(json.dumps(state | {"q": [[1.0, 1.0], [1.0]]}))
+    for name, value in [("t", None), ("q", 1.0), ("q", []), ("v", [[1.0]])]:
+        (tmp_path / f"{name} {value}.json").write_text(json.dumps(state | {name: value}))
     np.savez(tmp_path / "whole.npz", t=motion.t, q=motion.q)
     np.save(tmp_path / "one.npy", motion.t)
     (tmp_path / "cut.npz").write_bytes((tmp_path / "whole.npz").read_bytes()[:-30])
@@ -212,6 +222,15 @@ def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_l
                              ((PENDULUM, None, tmp_path / "none.csv"), "has no states"),
                              ((PENDULUM, None, tmp_path / "cut.csv"), "cut.csv: line 3 has 2 columns; the first line has 5"),
                              ((PENDULUM, None, tmp_path / "word.csv"), 'line 2: column "q elbow" has "x", which is not a number'),
+                             ((PENDULUM, None, tmp_path / "twice.csv"), 'twice.csv: the column "q pin" is given more than once'),
+                             ((PENDULUM, None, tmp_path / "thousands.csv"), 'line 2: column "q pin" has "1_000"'),
+                             ((PENDULUM, None, tmp_path / "latin.csv"), "latin.csv is not UTF-8"),
+                             ((PENDULUM, None, tmp_path / "cut.json"), "cut.json is not JSON"),
+                             ((PENDULUM, None, tmp_path / "deep.json"), "deep.json is not JSON"),
+                             ((PENDULUM, None, tmp_path / "other.json"), r"its coordinates are \['elbow', 'pin'\]; those of"),
+                             ((PENDULUM, None, tmp_path / "ragged.json"), "rows of unequal length"),
+                             *[((PENDULUM, None, tmp_path / f"{name}.json"), r"t, q and v have the shapes .*; those of a motion")
+                               for name in ("t None", "q 1.0", "q []", "v [[1.0]]")],
                              ((PENDULUM, None, tmp_path / "whole.npz"), "has no v"),
                              ((PENDULUM, None, tmp_path / "cut.npz"), "is not an .npz"),
                              ((PENDULUM, None, tmp_path / "one.npz"), "is not an .npz")]:

@@ -105,7 +105,7 @@ def explanation(function: Any, given: list[Any], by_name: dict[str, Any]) -> str
         if not isinstance(value, kind) or (value is None and "None" not in annotation):
             return f"{callee}: {x.name}: expected {expected}, got {type(value).__name__}"
     for name, value in values.items():
-        if isinstance(value, numbers.Integral) and not 0 <= value < 2**31:
+        if isinstance(value, numbers.Integral) and not 0 <= int(value) < 2**31:
             return f"{callee}: {name} is {value}; " + ("it must not be negative" if value < 0 else "it is too large")
     return None
 
