@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -336,7 +337,7 @@ ShownMotion read_motion(const Model& model, const std::string& file) {
   motion.tau = take("tau", model.nv(), " (times x nv)", false);
   const std::vector<double> frames = std::move(tables["load_frames"].numbers);
   for (const double frame : frames)
-    if (!(frame >= 0 && frame < model.n_frames()))
+    if (!(frame >= 0 && frame < model.n_frames() && frame == std::floor(frame)))
       refuse(fmt::format("{}: load_frames: model \"{}\" has no frame number {}", file, model.name(), frame));
   set_loads(frames,
             take("loads", 6 * static_cast<int>(frames.size()), " (times x 6 per loaded frame)", false),
