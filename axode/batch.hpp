@@ -61,7 +61,7 @@ Outcome run(const Model& model, catalog::Id function,
             int threads = 1, const Monitor& monitor = {});
 
 /// The states x of the drives of a mechanism (see axode/drives.hpp) in N motions. Each motion has nx numbers:
-/// the states of all drives, one drive after the other in the order of DriveSystem.
+/// the states of all drives, one drive after the other.
 struct DriveMotions {
   std::span<const double> x = {};      ///< at the start, nx N numbers; if empty, chosen by the drives
   std::span<double> x_out = {};        ///< receives K + 1 states for each motion; may be empty

@@ -35,10 +35,11 @@ State random_state(const Model& model, unsigned seed);
 ///
 /// The keys for numbers are q, v, a, jerk, snap, tau, the momenta p, the direction dq, dv, da, dtau of a
 /// directional derivative, and the weights w of a result. The value of each is an array in the order of the
-/// model or an object keyed by joint name. Missing numbers have the neutral value for q, 1 for w and 0 for
-/// all others. "targets" are poses for inverse kinematics: a list of objects {"frame", "pose"}, where the
-/// pose is four rows of four numbers. Loads are wrenches on frames, by default in the representation "body".
-/// Throws InputError with all faults of the file.
+/// model or an object keyed by joint name. Missing numbers are those of the neutral configuration (0, or the
+/// quaternion of no rotation) for q, 1 for w and 0 for all others. "targets" are poses for inverse
+/// kinematics: a list of objects {"frame", "pose"}, where the pose is four rows of four numbers. Loads are
+/// wrenches on frames, by default in the representation "body". Throws InputError with all faults of the
+/// file.
 State read_state(const Model& model, const std::string& file);
 
 /// A sequence of states, for which `axode eval` computes quantities.

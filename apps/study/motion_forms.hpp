@@ -60,8 +60,8 @@ struct Form2 {
   }
 };
 /// Computes the part of the hybrid twist rate that is due to velocities as ad_{r'_ip} V_i + (ad_{V_i} -
-/// ad_{r'_p}) S v (eq. recVhdot3), where p is the predecessor of body i, S v the joint's twist, and r'_ip =
-/// r'_p - r'_i the difference of the velocities of the origins.
+/// ad_{r'_p}) S v (eq. recVhdot3), where V_i is the hybrid twist of body i, p its predecessor, S v the
+/// joint's twist, and r'_ip = r'_p - r'_i the difference of the velocities of the origins.
 struct Form3 {
   template <class T> static TwistRate<Hybrid, T> bias(const BiasOf<Hybrid, T>& of, bool) {
     const Vec3<T> dr = of.V_p.v - of.V.v;

@@ -7,11 +7,13 @@ namespace axode::command {
 /// inertial origin, as in the paper.
 enum class SpatialOrigin { of_roots, inertial };
 
-/// Inverse dynamics that transforms every joint screw S once, to J = push(S), as sections 4.2 and 4.3 of the
-/// paper do (the library's InverseDynamicsRecursion transforms S v, S a and the wrench instead):
+/// Inverse dynamics that transforms every joint screw S from the axes of its body to the representation Rep
+/// of twists once, to J, as sections 4.2 and 4.3 of the paper do (the library's InverseDynamicsRecursion
+/// transforms S v, S a and the wrench instead):
 ///   V_i = down V_p + J v,  V'_i = down V'_p + J a + bias(V_p, V_i, J v),  τ = J | W,
-/// with the twists V_i, the wrench W that the joint transmits, and the maps push, down and bias of Link
-/// (axode/recursion/link.hpp). For trees without coupled joints and without loads.
+/// with the twists V_i and V_p of body i and its predecessor and the wrench W that the joint transmits.
+/// `down` takes a twist of the predecessor to the frame in which Rep gives that of the body, and `bias` is
+/// the part of V'_i that is due to velocities. For trees without coupled joints and without loads.
 template <class Rep, class T> struct ScrewsOnce {
   BodyLinks<Rep, T> links;
   Twist<Rep, T>* J;

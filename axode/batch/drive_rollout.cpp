@@ -160,9 +160,9 @@ class MotionWithFriction final : public Motion {
 }  // namespace
 
 /// Checks the arguments of a rollout that belong to drives. Throws std::invalid_argument if the initial
-/// states x of the drives have a wrong size or are not finite, if x_out has a wrong size or shares memory
-/// with an argument or a result, and if the time of the start is not finite or, with dry friction or losses
-/// of gears, is not 0.
+/// states x of the drives have a wrong size or are not finite, if the memory x_out for the later states has a
+/// wrong size or shares memory with an argument or a result, and if the time of the start is not finite or,
+/// with dry friction or losses of gears, is not 0.
 void check_drives(const MotionsUnderForces& motions, const DriveMotions& drives, const DriveSystem& system,
                   std::size_t N, const Losses& losses) {
   const std::size_t nx = system.nx();

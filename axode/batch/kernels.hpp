@@ -21,7 +21,8 @@ template <class S> struct LaneKernel {
 
 /// A drive of axode/integration/drives.hpp that all motions share. If `computes` is set, the drive forces τ
 /// are the inverse dynamics at (q, v, y) (computed torque); otherwise they are y, limited to ± limit. Without
-/// a reference, y is the feedforward w. With a reference (q_d, v_d) and the gains kp and kd it is
+/// a reference motion, y is the feedforward w. With a reference motion (q_d, v_d) and the gains kp and kd, y
+/// follows from the displacement x from q to q_d:
 ///
 ///     y = kp x + kd (v_d - v) + w,    q ⊕ x = q_d.
 template <class S> struct ControlLaw {

@@ -104,9 +104,9 @@ class Accelerations {
   static void subtract(Traces& x, const Traces& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// Makes a recording with each of the recorded ways to solve with the mass matrix (`solution`), by
-  /// make(composition, state, solution), and returns the one with the fewest operations. `composition`
-  /// receives the operations, and `state` has the recorded q, v and accelerations.
+  /// Makes a recording (a list of operations) with each of the recorded ways to solve with the mass matrix
+  /// (`solution`), by make(composition, state, solution), and returns the one with the fewest operations.
+  /// `composition` receives the operations, and `state` has the recorded q, v and accelerations.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {
@@ -262,9 +262,10 @@ class Family {
   }
 
  private:
-  /// Calls use(output, input, block) for each block of the Jacobian, which has the derivatives of one output
-  /// by one input. A block has, for each column, the index of the recorded result that each entry is, or -1
-  /// for an entry that is always 0.
+  /// Calls use(output, input, block) for each output and each input of the function. `block` describes the
+  /// matrix of derivatives of the output by the input, column by column. For each entry of the matrix it has
+  /// the index of this entry among the results of the recording (the list of operations) that computes all
+  /// derivatives, or -1 if the entry is always 0.
   template <class Use> void each_block(const std::vector<int>& places, const Use& use) const {
     const std::size_t m = recordings_[value].results.size();
     std::size_t row = 0;
@@ -314,9 +315,9 @@ class Family {
     }
     return all;
   }
-  /// The derivatives that jac_adj1_NAME has to return, those of the gradient of the weighted sum of the
-  /// results: by the inputs, by the values of the outputs (always 0), and by the weights (the transposed
-  /// Jacobian).
+  /// The results of the function that CasADi calls jac_adj1_NAME, the derivatives of the gradient of the
+  /// weighted sum of the results of a function NAME: by the inputs, by the values of the outputs (always 0),
+  /// and by the weights (the transposed Jacobian).
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)

@@ -35,9 +35,9 @@ struct CasadiFunction {
   bool is_jacobian = false;  ///< whether matrices of several states are blocks on a diagonal
 };
 /// A function of the state and its derivatives by all arguments, under the names that CasADi looks for: NAME,
-/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME. Each of them has a recording of its own. The inverse
-/// mass matrix is an exception: it has no jac_adj1_NAME, its derivatives are computed by loops (the member
-/// `inverse`), and the recordings of these derivatives only describe arguments and results.
+/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME. Each of them has a recording (a list of operations) of
+/// its own. The inverse mass matrix is an exception: it has no jac_adj1_NAME, its derivatives are computed by
+/// loops (the member `inverse`), and the recordings of these derivatives only describe arguments and results.
 struct CasadiFamily {
   std::vector<Recording> recordings;
   std::vector<CasadiFunction> functions;

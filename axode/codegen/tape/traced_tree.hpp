@@ -13,7 +13,7 @@ namespace axode::codegen {
 /// is symmetric about its axis, for a prismatic joint the whole rotational inertia, and for a spherical joint
 /// the mass as a point mass in its centre.
 ///
-/// Callers may use only the constants Tree::B and Tree::M of the bodies of this tree.
+/// Of this tree, callers may use only the constant poses B and the inertias M of the bodies.
 Tree<double> traced_tree(const Tree<double>& tree);
 
 }  // namespace axode::codegen
