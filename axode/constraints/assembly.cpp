@@ -19,7 +19,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
 /// The search for a configuration with closed loops. All residuals and steps are without units: lengths are
-/// divided by size(), the largest distance of a body on a loop from the root of its branch.
+/// divided by the largest distance of a body on a loop from the first body on its path from the ground.
 class Assembly {
  public:
   /// Searches in the model of `motions`, in which every prescribed motion is a loop, see MotionRows.
@@ -109,9 +109,9 @@ class Assembly {
     system_.residual(q.data(), r.data());
     return r.cwiseQuotient(unit_of_residual_);
   }
-  /// The units by which loop equations are divided: the length size() (m) for an equation whose constraint
-  /// wrench has a force, 1 for an equation whose wrench is a couple, and the unit of its first term for a
-  /// coupling of joints.
+  /// The units by which loop equations are divided: the length (m) by which all lengths are divided for an
+  /// equation whose constraint wrench has a force, 1 for an equation whose wrench is a couple, and the unit
+  /// of its first term for a coupling of joints.
   Vector units_of_rows(ConstraintLevel level) {
     system_.make_rows(level);
     Vector units = Vector::Ones(system_.size(level));
@@ -168,9 +168,9 @@ class Assembly {
     const double size = first + A.norm() * v.cwiseQuotient(unit_of_velocity_).norm();
     return rates.norm() <= tolerable * size ? AssemblyStatus::closed : AssemblyStatus::held_velocities;
   }
-  /// The length (m) by which all lengths are divided: the largest distance of a body on a loop from the root
-  /// of its branch, or of a loop joint from the origin of its body; 1 if all these distances are 0. It must
-  /// be called with the kinematics of the neutral configuration.
+  /// The length (m) by which all lengths are divided: the largest distance of a body on a loop from the first
+  /// body on its path from the ground, or of a loop joint from the origin of its body; 1 if all these
+  /// distances are 0. It must be called with the kinematics of the neutral configuration.
   double size() const {
     double largest = 0;
     for (const LoopPath& path : system_.table().paths) {

@@ -47,13 +47,13 @@ std::string to_string(const Model& model, const AssemblyResult& result);
 /// Unless v is empty, also finds velocities that keep the loops closed and follow the motions. These are the
 /// velocities nearest to v in kinetic energy or, if some velocities are held fixed (options.held), in the
 /// Euclidean norm. For this norm lengths are divided by the largest distance of a body on a loop from the
-/// root of its branch.
+/// first body on its path from the ground.
 ///
-/// Redundant loop equations are allowed. Convergence is slow where branches of the motion meet. A residual
-/// that stops decreasing counts as 0 if it is within a bound on its rounding errors, or within a thousand
-/// times the tolerance. Limits of coordinates are ignored. Allocates; O(m nv²) for each iteration with m loop
-/// equations. Throws std::invalid_argument for wrong sizes, for numbers in q or v that are not finite, and
-/// for held velocities that do not exist.
+/// Redundant loop equations are allowed. Convergence is slow near configurations from which the mechanism can
+/// move in several ways. A residual that stops decreasing counts as 0 if it is within a bound on its rounding
+/// errors, or within a thousand times the tolerance. Limits of coordinates are ignored. Allocates; O(m nv²)
+/// for each iteration with m loop equations. Throws std::invalid_argument for wrong sizes, for numbers in q
+/// or v that are not finite, and for held velocities that do not exist.
 [[nodiscard]] AssemblyResult assemble(const Model& model, std::span<const double> q,
                                       std::span<const double> v = {}, const AssemblyOptions& options = {});
 

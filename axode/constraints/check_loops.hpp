@@ -33,8 +33,7 @@ inline constexpr double closed_enough = 1e-6;
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v);
 /// Throws std::invalid_argument, with the name of the loop, if the accelerations a do not keep a loop closed:
 /// if the residual of its equations for accelerations has a norm of more than 1e-3 (1 + |a| + |v|²). The loop
-/// equations of `system` must have been computed for the motion (q, v, a), by force() and make_rows() or by
-/// force_fast().
+/// equations of `system` must have been computed for the motion (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);
 /// Checks that the drives can produce the required forces. `left` is the part that no drive can produce, as a
 /// ratio of norms. Throws std::invalid_argument if it is above 1e-8; the message begins with "the drives

@@ -104,7 +104,7 @@ void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<con
 
 /// Computes the wrenches that the joints transmit for the multipliers `lambda` of the loops, in the
 /// representation Rep at the point `at` of each body. The motion and the loop equations of `system` must have
-/// been computed, by its functions force() and make_rows().
+/// been computed.
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
                           std::span<Wrench<Rep, T>> W) {

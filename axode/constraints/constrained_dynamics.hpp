@@ -34,9 +34,9 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
 /// that of all required forces: 0 to rounding if the drives can produce a. Throws std::invalid_argument for
 /// wrong sizes and, in double precision, if a does not keep the loops closed.
 ///
-/// O(limbs), without allocating, for limbs of bounded size, where a limb is one of the chains that carry a
-/// platform ((D18.7) to (D18.9)). If some motion has no drive, if λ is wanted and not unique, or near
-/// singularities, it allocates and costs O(nv³).
+/// O(limbs), without allocating, for limbs of bounded size, where a limb is a part of the mechanism that is
+/// coupled to the rest only through one body, the platform ((D18.7) to (D18.9)). If some motion has no drive,
+/// if λ is wanted and not unique, or near singularities, it allocates and costs O(nv³).
 template <class T>
 [[nodiscard]] T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> a, std::type_identity_t<std::span<T>> tau,
@@ -84,8 +84,8 @@ Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
                    std::type_identity_t<std::span<T>> impulses = {});
 
 /// Computes the wrench that each loop joint exerts on its second body for the multipliers λ of the loop
-/// equations (loops().rows), in the representation Rep of the frame of that body. W has one entry for each of
-/// loops().all; entries of couplings of joints are 0.
+/// equations (loops().rows), in the representation Rep of the frame of that body. W has one entry for each
+/// loop and coupling of the model; entries of couplings of joints are 0.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void loop_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                    std::type_identity_t<std::span<Wrench<Rep, T>>> W);

@@ -52,8 +52,8 @@ bool has_definite_combination(const std::vector<Eigen::MatrixXd>& forms) {
 /// Decides by a test of second order whether velocities that satisfy the loop equations, A x = 0, belong to
 /// finite motions; `kernel` spans these velocities. For every dependency nᵀ A = 0 of the equations (the
 /// columns of `dependencies`) they must satisfy n·γ(x) = 0, where γ is the part of (A x)' that is quadratic
-/// in x. If a combination of the forms n·γ is definite, only x = 0 satisfies it, and the mechanism is shaky;
-/// otherwise branches of the motion may meet.
+/// in x. If a combination of the forms n·γ is definite, only x = 0 satisfies it, and the mechanism is shaky:
+/// the loops allow velocities, but no finite motion. Otherwise several finite motions may pass through q.
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();

@@ -28,9 +28,9 @@ inline double largest_of(std::span<const double> numbers) {
 /// A mechanism in absolute coordinates: every body moves freely, and every joint and every loop is a
 /// constraint between two bodies,
 ///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
-/// with the constant mass matrix M, applied forces f, the constraint Jacobian B and multipliers λ. The
-/// residual Φ of a joint is the relative pose of its bodies after the motion in the subgroup of SE(3) that
-/// the joint allows has been removed (D6.1).
+/// with the velocities v of the bodies, the constant mass matrix M, applied forces f, the constraint Jacobian
+/// B and multipliers λ. The residual Φ of a joint is the relative pose of its bodies after the motion in the
+/// subgroup of SE(3) that the joint allows has been removed (D6.1).
 ///
 /// The coordinates are those of all bodies, with positions relative to the centre of mass of the first body
 /// in the reference configuration, and then one for each rotor. A rotor is an additional body that turns with
@@ -84,7 +84,8 @@ class AbsoluteSystem {
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
   /// Whether some constraints are nonholonomic, that is, have a row of the constraint Jacobian B but no
-  /// residual. set_nonholonomic_rates() sets their entries of `out` (one for each row of B) to scale · B v.
+  /// residual. set_nonholonomic_rates() sets their entries of `out`, which has an entry for each row of B, to
+  /// the rates B v of the constraints times `scale`, with the velocities v.
   bool has_nonholonomic_rows() const {
     return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
   }

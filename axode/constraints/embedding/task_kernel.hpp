@@ -6,8 +6,9 @@
 
 namespace axode {
 
-/// Returns `verdict`, or not_finite if it is ok() but one of the results is not finite. Unless the returned
-/// verdict is ok(), all results are set to NaN.
+/// Checks the results of a computation that ended with `verdict`, which says whether it succeeded or what was
+/// singular. Returns this verdict, or not_finite if the computation succeeded but a result is not finite.
+/// Unless the returned verdict is success, all results are set to NaN.
 TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
 
 /// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
@@ -48,13 +49,13 @@ class TaskKernel {
   TaskVerdict resolve() noexcept;
   /// Computes the joint velocities or accelerations x (nv) that keep the loops closed, A x = -γ (D18.10),
   /// from task velocities or their rates X (f numbers). A is the Jacobian of the loop equations; γ is the
-  /// bias of (A v)' = A a + γ for accelerations, and null for velocities. x may share the memory of X.
-  /// resolve() must have eliminated the dependent velocities.
+  /// bias of (A v)' = A a + γ for accelerations, and null for velocities. x may share the memory of X. The
+  /// dependent velocities must have been eliminated from the loop equations before.
   void expand(const double* X, const double* gamma, double* x) noexcept;
   /// Computes the rows of F of all limbs (D18.6). Must be called after resolve().
   void make_F() noexcept;
   /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. The kinematics at
-  /// q must have been computed, and then make_F() must have been called.
+  /// q must have been computed, and then the matrix that maps task velocities to joint velocities.
   void make_M(std::span<const double> q) noexcept;
   /// Computes Fᵀ w (f) for w (nv). Must be called after make_F().
   void project(const double* w, double* out) const noexcept;

@@ -6,10 +6,10 @@ namespace axode {
 /// Inverse dynamics of any order of a parallel manipulator: computes the drive forces τ and their time
 /// derivatives τ', τ'', ... (`tau`, K rows of nv numbers, 1 to 7 rows) along a motion. The motion is given by
 /// the configuration q, the task velocities V (components of the platform's twist, then velocities of joints
-/// that it does not determine) and their derivatives V', V'', ... (`rates`, K + 1 rows of freedom() numbers).
-/// `motion`, unless it is empty, receives the joint velocities and their derivatives v, v', v'', ... (K + 1
-/// rows of nv numbers). The derivatives follow from small linear systems for each chain that carries the
-/// platform (D18.13, D18.14).
+/// that it does not determine) and their derivatives V', V'', ... (`rates`, K + 1 rows with one number for
+/// each task velocity). `motion`, unless it is empty, receives the joint velocities and their derivatives v,
+/// v', v'', ... (K + 1 rows of nv numbers). The derivatives follow from small linear systems for each chain
+/// that carries the platform (D18.13, D18.14).
 ///
 /// The number of drives must be that of the freedoms that they move. The returned TaskVerdict says what is
 /// singular. Throws std::invalid_argument for wrong sizes. Allocates; O(K² (nv + m d) + K³ n) for m loop

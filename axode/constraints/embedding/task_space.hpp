@@ -30,8 +30,9 @@ struct TaskVerdict {
 /// The equations of motion of a parallel manipulator in its task space (D18.11):
 ///   M V' + h = Jᵀ u,   v = F V,   a = F V' + c.
 /// V are the f task velocities: components of the platform's twist, and then the velocities of joints that
-/// the platform does not determine. u are the forces of the drives, and v and a the velocities and
-/// accelerations of all joints (nv each).
+/// the platform does not determine. u are the forces of the drives, whose velocities are J V. v and a are the
+/// velocities and accelerations of all joints (nv each), and c is the part of a that does not depend on V'. M
+/// is the mass matrix for V, and h has the Coriolis, centrifugal and gravity forces minus those of the loads.
 struct TaskEquations {
   TaskVerdict verdict;      ///< if it is not ok(), the matrices are empty
   Eigen::MatrixXd M;        ///< f × f, kg m², kg m and kg
@@ -48,9 +49,8 @@ struct TaskEquations {
 /// platform does not determine, such as the spin of a rod between two balls. Without a platform all task
 /// velocities are joint velocities. See (D18.1) to (D18.6) of docs/derivations/constraint-embedding.md.
 ///
-/// A TaskSpace has the scratch memory of one thread; only equations() allocates. Configurations q must be
-/// closed and velocities v must keep the loops closed, as place_platform() and velocities() compute them.
-/// Costs are O(limbs) for limbs of bounded size.
+/// A TaskSpace has the scratch memory of one thread; only equations() allocates. Configurations q must close
+/// the loops, and velocities v must keep them closed. Costs are O(limbs) for limbs of bounded size.
 class TaskSpace {
  public:
   /// Determines the limbs (the chains that carry the platform), their mobility and the task velocities at a

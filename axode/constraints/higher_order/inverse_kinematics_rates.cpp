@@ -63,8 +63,8 @@ template <class Rep> class RateSystem {
   }
 
   /// Sets up the linear system whose solution is the k-th time derivative of the joint velocities: its right
-  /// side `wanted - known` and, if k is 0, the matrix that all derivatives share. Rows k and later of `rates`
-  /// must be 0.
+  /// side `wanted - known` and, if k is 0, the matrix that all derivatives share. `rates` has a row for the
+  /// joint velocities and for each of their derivatives; rows k and later must be 0.
   void run(std::span<const double> rates, int k) {
     motion_.evaluate(q_, rates);
     Eigen::Index row = 0;

@@ -32,7 +32,7 @@ class LoopSeries {
   using Series = Taylor<double, largest_order + 1>;
 
   /// about() returns the power series in time of a joint screw about a point O, from the coefficients X of
-  /// the series about the origin of its root body (the body of its branch that is joined to the ground).
+  /// the series about the origin of its root body (the first body on the path from the ground).
   /// frame_series() returns the power series of the frame of a loop joint about O. `shift` is the origin of
   /// the root body minus O.
   Screw<Series> about(const Vec3<>& shift, const Screw<>* X) const;

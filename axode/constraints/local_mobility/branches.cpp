@@ -204,9 +204,9 @@ Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   return canonical_basis(orthonormal_rows(rows.allFinite() ? rows : beside));
 }
 
-/// Computes the second fundamental form II of a branch of dimension D, the second derivatives of its points
-/// by tangential coordinates a and b. II_ab is in row a D + b. It is computed from second derivatives along
-/// lines in the tangent space (D13.13).
+/// Computes the second fundamental form II of a smooth set of dimension D of configurations with closed loops
+/// (a branch), the second derivatives of its points by tangential coordinates a and b. II_ab is in row a D +
+/// b. It is computed from second derivatives along lines in the tangent space (D13.13).
 Eigen::MatrixXd second_form(const Closure& closure, const Eigen::MatrixXd& T, double range) {
   const Eigen::Index D = T.rows();
   Eigen::MatrixXd II(D * D, T.cols());

@@ -32,7 +32,7 @@ struct BlowUp {
 /// Substitutes u = s (e + B v) in the equations g(u) = 0, where s is the distance along a direction e and v
 /// the deviation from it, and divides each by the power of s that its terms have in common: h_i = g_i(s (e +
 /// B v)) / s^(m_i) for an equation of lowest degree m_i (D13.11). Terms of the results whose degree is above
-/// that of the polynomials of `small` are dropped.
+/// the largest degree of the ring of polynomials `small` are dropped.
 Eigen::MatrixXd divided(const PolynomialRing& ring, const std::vector<Form>& rows, const BlowUp& blow,
                         const PolynomialRing& small) {
   Eigen::MatrixXd g(static_cast<Eigen::Index>(rows.size()), ring.size());

@@ -107,8 +107,8 @@ MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const 
 
 /// Fills in the conclusions of an analysis of mobility: the local mobility, the kind of the configuration,
 /// and whether ranks alone prove the result. They follow from the members that are known already: the rank of
-/// the loop equations, the mobility of each order, the branches, and the closed configurations that lie on no
-/// branch.
+/// the loop equations, the mobility of each order, the branches (smooth sets of configurations with closed
+/// loops), and the closed configurations that lie on no branch.
 void draw_conclusions(LocalMobility& found) {
   std::set<int> dimensions;
   bool all_close = true, all_settled = true, singular = true;
@@ -152,9 +152,10 @@ void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
   for (BranchPoint& point : branch.points) point.x = unit.cwiseProduct(point.x);
 }
 
-/// Computes the conditions on velocities, the mobility of each order and the branches, and searches for
-/// missed branches. `left` has the equations that remain after the elimination of all coordinates that the
-/// loop equations determine to first order; at least one coordinate must remain.
+/// Computes the conditions on velocities, the mobility of each order and the branches (smooth sets of
+/// configurations with closed loops), and searches for missed branches. `left` has the equations that remain
+/// after the elimination of all coordinates that the loop equations determine to first order; at least one
+/// coordinate must remain.
 void find_branches(PolynomialRings& rings, const Closure& closure, const Elimination& left,
                    LocalMobility& found) {
   const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);

@@ -36,9 +36,9 @@ struct BranchPoint {
   double residual = 0;        ///< norm of the residual log f of the loops, in rad and characteristic lengths
 };
 
-/// A branch of the configuration space at q. Its points are given by n coordinates x, with the configuration
-/// q ⊕ x. Tangents and curvatures are in rad and m; products and norms divide lengths by the characteristic
-/// length.
+/// A branch of the configuration space at q: a smooth set of configurations through q with closed loops. Its
+/// points are given by n coordinates x, with the configuration q ⊕ x. Tangents and curvatures are in rad and
+/// m; products and norms divide lengths by the characteristic length.
 ///
 /// A branch of dimension 1 is a power series in s = t·x, the displacement along its unit tangent t. At a cusp
 /// it is a series in ζ with ζ^power = t·x. For power 2 this is x = t ζ² + c ζ³ + ..., and the mechanism
@@ -63,9 +63,9 @@ struct MotionBranch {
   std::vector<int> idle;   ///< indices of coordinates that rest along the branch
   std::vector<int> loops;  ///< indices of the loops and couplings in which something moves
   std::vector<BranchPoint> points;
-  /// For a branch of dimension 1, how well its power series solves the loop equations. Entry n has the
-  /// exponent k for the series cut after n + 1 terms: the residual of the loops was found to vanish as
-  /// (parameter)^k. k is infinite if the residual is a rounding error.
+  /// For a branch of dimension 1 (a curve of configurations with closed loops), how well its power series
+  /// solves the loop equations. Entry n has the exponent k for the series cut after n + 1 terms: the residual
+  /// of the loops was found to vanish as (parameter)^k. k is infinite if the residual is a rounding error.
   std::vector<double> residual_orders;
 
   bool cusp() const { return power > 1; }
@@ -78,8 +78,9 @@ struct MobilityCondition {
   std::vector<int> loops;  ///< indices of the loops and couplings whose equations it combines
 };
 
-/// A test for missed branches. From random starts along the velocities that the loops allow, Newton's method
-/// searches configurations near q with closed loops; each of them should lie on a branch.
+/// A test for missed branches, which are smooth sets of configurations with closed loops. From random starts
+/// along the velocities that the loops allow, Newton's method searches configurations near q with closed
+/// loops; each of them should lie on a branch.
 struct MobilityProbe {
   int starts = 0, closed = 0;
   int missed = 0;  ///< number of closed points that lie on none of the branches
@@ -115,9 +116,9 @@ struct LocalMobility {
   bool kinematotropic = false;         ///< whether there are branches of different dimensions
   bool cusp = false;                   ///< whether some branch is a cusp
   bool kinematic_singularity = false;  ///< whether on every branch the differential mobility is smaller
-                                       ///< beside q than at q
-  /// Whether the loop equations allow velocities that belong to no finite motion. This is so at points of
-  /// some branch near q, or at q if the mechanism cannot move.
+  /// < beside q than at q Whether the loop equations allow velocities that belong to no finite motion. This
+  /// is so at the points near q of some smooth set of configurations through q, or at q if the mechanism
+  /// cannot move.
   bool shaky = false;
   /// Whether the result is proved by ranks of matrices and roots of polynomials alone. It is if the loop
   /// equations are independent, if they allow no velocities, or if they allow velocities of dimension 1 or 2
@@ -132,7 +133,8 @@ struct LocalMobility {
 std::vector<std::string> mobility_words(const Model& model, const LocalMobility& found);
 
 /// Finds how a mechanism with loops can move from a closed configuration q (nq): the mobility by order, the
-/// branches of the configuration space with tangents and curvatures, cusps and shakiness.
+/// branches of the configuration space (smooth sets of configurations with closed loops) with tangents and
+/// curvatures, cusps, and shakiness: velocities that the loops allow without a finite motion.
 ///
 /// The equations of the loops are expanded to order K by brackets of joint screws (D13.3 to D13.6). The
 /// coordinates that they determine are eliminated (D13.8). The remaining equations are solved by blow-ups

@@ -10,11 +10,13 @@
 namespace axode {
 namespace {
 
-/// Bounds of the filter μ. The equations A M⁻¹ Aᵀ λ = -b for the multipliers of the loops can be solved
-/// although loop equations are redundant, because each diagonal entry of the matrix is increased by μ times
-/// itself (D7.9). If the loops are open with a residual r, redundant equations seem to be independent by an
-/// amount of the order of r; hence μ is (1e4 |r|)², limited by these bounds. In simulations the lower bound
-/// is larger, so that rounding errors of r are not magnified where branches of the motion meet.
+/// Bounds of a small number μ, the filter. The equations A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loops,
+/// with the Jacobian A of the loop equations, the mass matrix M and a given b, can be solved although loop
+/// equations are redundant, because each diagonal entry of the matrix is increased by μ times itself (D7.9).
+/// If the loops are open with a residual r, redundant equations seem to be independent by an amount of the
+/// order of r; hence μ is (1e4 |r|)², limited by these bounds. In simulations the lower bound is larger, so
+/// that rounding errors of r are not magnified near configurations from which the mechanism can move in
+/// several ways.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);

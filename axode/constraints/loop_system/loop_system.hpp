@@ -77,22 +77,22 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
   /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
   /// matrix M and bias forces h, and the Jacobian of the loop equations, by a fast kernel. The forces are
-  /// valid until the next call. joint_wrenches() and differentiate() must not be called afterwards.
+  /// valid until the next call. It does not compute the motion of the bodies, so that joint_wrenches() and
+  /// differentiate() must not be called afterwards.
   std::span<T> force_fast(const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept;
   /// Computes the residual (A v)' - s'' of the loop equations A v = s' (loops().rows numbers), where s' is
-  /// not 0 for prescribed motions. The motion (q, v, a) and the loop equations must have been computed, by
-  /// force() and make_rows(ConstraintLevel::velocity) or by force_fast(). The numbers are valid until the
-  /// next call.
+  /// not 0 for prescribed motions. The motion (q, v, a) and the loop equations for velocities must have been
+  /// computed. The numbers are valid until the next call.
   std::span<const T> acceleration_residual(const T* a) noexcept;
   /// Computes the least drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations
   /// A v = 0, such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. Drives act on the
   /// velocities with indices in `drives` or, if it is empty, on those of all joints that are not passive. A
-  /// must have been computed, by make_rows(ConstraintLevel::velocity) or force_fast(). Returns false without
-  /// results if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
+  /// must have been computed. Returns false without results if some motion has no drive, if λ is wanted and
+  /// not unique, or if rounding leaves a rank open.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
   /// The threshold below which an entry of the Jacobian of the loop equations may be a rounding error: 0.1,
-  /// or a tenth of the largest distance (m) of a loop joint from the root body of its branch if this is less
-  /// than 1 m and not 0.
+  /// or a tenth of the largest distance (m) of a loop joint from the first body on its path from the ground
+  /// if this is less than 1 m and not 0.
   T considerable_entry() const noexcept;
   /// Computes the velocities v⁺ (nv) after an impact of the loops at q, A v⁺ = -e A v with the Jacobian A of
   /// the loop equations and the coefficient of restitution e, and the impulses of the equations (D7.12). With
@@ -135,36 +135,35 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
-  /// times() computes out = A x, and add_transposed_times() adds Aᵀ λ to `out`. A is the Jacobian that
-  /// make_rows() computed last: that of the loop equations for velocities or that of the residuals.
+  /// times() computes out = A x, and add_transposed_times() adds Aᵀ λ to `out`. A is the Jacobian of the loop
+  /// equations for velocities or that of the residuals, whichever was computed last.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
   /// Computes γ - s'' (D6.7). The loop equations are A v = s' with prescribed right sides s', and γ is the
-  /// part of (A v)' that does not depend on accelerations. The first function takes the motion of the bodies
-  /// that move() computed last. The second one takes twists V and their rates dV, each about the origin of
-  /// the root body (the body of its branch that is on the ground).
+  /// part of (A v)' that does not depend on accelerations. The first function takes the last motion of the
+  /// bodies that was computed. The second one takes twists V and their rates dV, each about the origin of the
+  /// first body on the path from the ground to the body.
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
   void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
   /// Computes the rates A v of all loop equations (D6.6) from the joint velocities x (nv) and the twists X of
-  /// the bodies, each about the origin of its root body (the body of its branch that is on the ground).
+  /// the bodies, each about the origin of the first body on the path from the ground to the body.
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
   /// Adds the constraint forces of the loops for multipliers λ. Loop joints exert wrenches on the bodies,
   /// which are added to `on` and are about the origins of the root bodies (those on the ground). Couplings of
   /// joints exert joint forces, which are added to tau (nv).
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
   /// Computes the wrenches W[1] to W[n] that the joints transmit for multipliers λ of the loop equations, in
-  /// inertial axes, each about the origin of its root body (the body of its branch that is joined to the
-  /// ground). The motion and the loop equations must have been computed, by force() and
-  /// make_rows(ConstraintLevel::velocity).
+  /// inertial axes, each about the origin of the first body on the path from the ground to the body. The
+  /// motion and the loop equations for velocities must have been computed.
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
-  /// Computes derivatives at the motion (q, v, a) for which force() was called last, and adds them to three
-  /// matrices, which are stored row by row ((D6.10), (D6.11)). With the loop equations A v = 0 and (A v)' = A
-  /// a + γ, by_q and by_v (m × nv each) are the derivatives of (A v)' by q and by v. constraint_forces_by_q
-  /// (nv × nv) is the derivative of the constraint forces Aᵀ λ by q. A must have been computed, by
-  /// make_rows(ConstraintLevel::velocity).
+  /// Computes derivatives at the motion (q, v, a) of the bodies that was computed last, and adds them to
+  /// three matrices, which are stored row by row ((D6.10), (D6.11)). With the loop equations A v = 0 and (A
+  /// v)' = A a + γ, by_q and by_v (m × nv each) are the derivatives of (A v)' by q and by v.
+  /// constraint_forces_by_q (nv × nv) is the derivative of the constraint forces Aᵀ λ by q. A must have been
+  /// computed.
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
   /// Computes the rate of Rᵀ λ (nv) for constant λ as the bodies move with the velocities of the last move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
@@ -179,17 +178,19 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// diagonal entry of G, but not less than a limit (D7.7). M = Lᵀ D L is the mass matrix of the spanning
   /// tree, and A the Jacobian of the equations.
   void factorize_rows() noexcept;
-  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0, with the mass matrix M of
-  /// the spanning tree; λ is the least (least-squares) solution if equations are redundant (D7.8).
+  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0 and a given b (one number for
+  /// each equation), with the mass matrix M of the spanning tree; λ is the least (least-squares) solution if
+  /// equations are redundant (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
-  /// Sets the filter μ from the residual of the loops at q. Multipliers in directions in which A M⁻¹ Aᵀ is
-  /// small compared with μ times its diagonal entries are then 0 in solve_rows() (D7.9). A is the Jacobian of
-  /// the loop equations, and M the mass matrix of the spanning tree.
+  /// Sets a small number μ, the filter, from the residual of the loops at q. Later solutions for multipliers
+  /// have no part in directions in which A M⁻¹ Aᵀ is small compared with μ times its diagonal entries (D7.9).
+  /// A is the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
-  /// How near the loop equations are to being dependent, by the last solve_rows(). It is 1 if no pivot of the
-  /// matrix A M⁻¹ Aᵀ was small. Otherwise it is the least pivot, each divided by the diagonal entry of the
-  /// matrix in its row. If it is near 0, the configuration is nearly singular, and the accelerations are
-  /// those of a mechanism with more degrees of freedom.
+  /// How near the loop equations A v = 0 are to being dependent, as the last solution for their multipliers
+  /// found. M is the mass matrix. It is 1 if no pivot of the matrix A M⁻¹ Aᵀ was small. Otherwise it is the
+  /// least pivot, each divided by the diagonal entry of the matrix in its row. If it is near 0, the
+  /// configuration is nearly singular, and the accelerations are those of a mechanism with more degrees of
+  /// freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -199,15 +200,15 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Replaces x (nv) by M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
-  /// The wrench of loop joint k on its second body, about the point origin(k), for the multipliers λ; the
-  /// opposite wrench acts on the first body. The wrenches for unit multipliers must have been computed, by
-  /// make_rows() or make_wrenches().
+  /// The wrench of loop joint k on its second body, for the multipliers λ; the opposite wrench acts on the
+  /// first body. It is about the point that origin(k) returns. The wrenches for unit multipliers must have
+  /// been computed.
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
   /// The origins of the root bodies in the inertial frame, stored at the index of each root body.
   const Vec3<T>* root_origins() const { return origin_; }
 
-  /// The matrix Y = D^-½ L⁻ᵀ Aᵀ (nv × m, padded with zero columns) of the last factorize_rows(), with the
+  /// The matrix Y = D^-½ L⁻ᵀ Aᵀ (nv × m, padded with zero columns) of the last factorisation, with the
   /// Jacobian A of the m loop equations and the mass matrix LᵀD L of the spanning tree.
   const RowByRow& Y() const { return Y_; }
   /// The size of each loop equation, by which its rounding errors are judged: the square root of its diagonal
@@ -268,15 +269,16 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void add_to_velocities(const T* lambda) noexcept;
   /// Calls f(row) for those rows of the present level that are redundant in `rank`.
   template <class F> void each_redundant(const RowRank& rank, const F& f) const;
-  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations by one Cholesky factorisation.
-  /// Returns false, without λ, if a pivot of an independent equation is too small.
+  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0 by one Cholesky
+  /// factorisation, with the mass matrix M and a given b. Returns false, without λ, if a pivot of an
+  /// independent equation is too small.
   bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Solves G λ = -b by the proximal iteration (D7.8).
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
-  /// Sets up the linear system A M⁻¹ Aᵀ λ = -b of the multipliers λ in the memory of factor_, with the
-  /// Jacobian A of the loop equations and the mass matrix M of the tree. Each diagonal entry is increased by
-  /// `filter` times itself, or times a lower limit if the entry is less (D7.9). The multipliers of redundant
-  /// equations become 0.
+  /// Sets up the linear system A M⁻¹ Aᵀ λ = -b of the multipliers λ for a given b, with the Jacobian A of the
+  /// loop equations and the mass matrix M of the tree. Each diagonal entry is increased by `filter` times
+  /// itself, or times a lower limit if the entry is less (D7.9). The multipliers of redundant equations
+  /// become 0.
   void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {

@@ -4,8 +4,9 @@
 #include "axode/lie/twist.hpp"
 #include "axode/scalar/dual.hpp"
 
-/// The interface of the types of loop joints. Their members are templates over the scalar; V_i and V_j are
-/// the twists of the first and second body:
+/// The interface of the types of loop joints. Their members are templates over the scalar. `at` has the
+/// frames of the joint on its first and second body, V_i and V_j are the twists of these bodies, and m is
+/// their motion:
 ///   rows(), residuals()            numbers of equations A v = 0 and of residuals r
 ///   residual(at, r)                computes r, which vanishes if the loop is closed
 ///   wrenches(at, W)                computes W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)
