@@ -21,11 +21,12 @@ int start_vertex(const ConvexShape& shape, int last) {
   return exists ? last : 0;
 }
 
-/// Compares two candidates for the least distance of two cores, and keeps the better one in c. A candidate is
-/// a unit normal n, the width s of the gap between the cores along n, and a point x of their difference; its
-/// residual is |x - s n|. Candidate t is better than c if its width is larger, or equal to rounding with a
-/// smaller residual. If t is not better but its point has a smaller residual for the n and s of c, c takes
-/// this point. Returns whether c has changed.
+/// Compares two candidates for the least distance of two cores (convex bodies without the balls that round
+/// them), and keeps the better one in c. A candidate is a unit normal n, the width s of the gap between the
+/// cores along n, and a point x of their difference (the set of all b - a with points a and b of the two
+/// cores); its residual is |x - s n|. Candidate t is better than c if its width is larger, or equal to
+/// rounding with a smaller residual. If t is not better but its point has a smaller residual for the n and s
+/// of c, c takes this point. Returns whether c has changed.
 bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   const bool higher = t.s > c.s + pair.rounding;
   const bool as_high = t.s >= c.s - pair.rounding;
@@ -41,8 +42,10 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
 }
 
 /// Improves the normal n of candidate c by at most `rounds` proximal steps (D10.7). Each takes as its new
-/// normal the direction of the point of least norm in the difference of the cores, shifted along n. Stops
-/// before if a step brings no improvement, or if the residual of c is 0 to rounding.
+/// normal the direction of the point of least norm in the difference of two cores, shifted along n. The cores
+/// are two convex bodies without the balls that round them, and their difference is the set of all b - a with
+/// points a and b of them. Stops before if a step brings no improvement, or if c solves the problem to
+/// rounding.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {
@@ -55,8 +58,9 @@ void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   }
 }
 
-/// Computes the distance of two cores that are apart, and the candidate c with this distance. The distance is
-/// the least norm of a point in the difference of the cores. If the cores overlap, c does not change.
+/// Computes the distance of two cores (convex bodies without the balls that round them) that are apart, and
+/// sets the candidate c to it. The distance is the least norm of b - a for points a and b of the two cores.
+/// If the cores overlap, c does not change.
 void approach(CorePair& pair, Candidate& c) noexcept {
   Candidate direct;
   direct.n = c.n;

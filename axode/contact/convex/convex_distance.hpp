@@ -33,11 +33,11 @@ struct WarmStart {
 };
 
 /// Computes the signed distance d = max over unit n of s(n) of two bodies with poses A and B (D10.2), where
-/// s(n) is ConvexDistance::distance for the normal n. d is the least distance if the bodies are apart, and
-/// minus the length of the least translation that separates them if they overlap. The methods are the point
-/// of least norm, proximal steps, Newton's method and an expanding polytope (D10.5 to D10.10). Takes 0.3 to 3
-/// µs for simple bodies, and up to 15 µs for overlapping hulls of 1000 vertices. If a pose has a number that
-/// is not finite, the distance is NaN.
+/// s(n) is the width of the gap between two parallel planes with the normal n that touch the bodies. d is the
+/// least distance if the bodies are apart, and minus the length of the least translation that separates them
+/// if they overlap. The methods are the point of least norm, proximal steps, Newton's method and an expanding
+/// polytope (D10.5 to D10.10). Takes 0.3 to 3 µs for simple bodies, and up to 15 µs for overlapping hulls of
+/// 1000 vertices. If a pose has a number that is not finite, the distance is NaN.
 [[nodiscard]] ConvexDistance convex_distance(const ConvexShape& a, const SE3<>& A, const ConvexShape& b,
                                              const SE3<>& B, WarmStart& warm) noexcept;
 [[nodiscard]] ConvexDistance convex_distance(const ConvexShape& a, const SE3<>& A, const ConvexShape& b,

@@ -12,8 +12,10 @@ namespace axode::convex {
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// A point w = b - a of the difference B - A of two cores. The support function of a core consists of smooth
-/// branches; branch_a and branch_b are the numbers of the branches on which a and b lie.
+/// A point w = b - a with points a and b of two cores (convex bodies without the balls that round them). a
+/// and b are the farthest points of their cores in some direction. branch_a and branch_b are the numbers of
+/// the smooth parts of the cores' surfaces to which they belong, such as a vertex of a box or a cap of a
+/// cylinder.
 struct Vertex {
   Vec3<> w, a;
   int branch_a = 0, branch_b = 0;
@@ -43,9 +45,10 @@ struct Simplex {
   }
 };
 
-/// A candidate for the least distance of two cores: a unit normal n, the width s of the gap between the cores
-/// along n, which is a lower bound of their distance, and a simplex in the difference of the cores, which at
-/// the solution contains the point s n (D10.3).
+/// A candidate for the least distance of two cores (convex bodies without the balls that round them): a unit
+/// normal n, the width s of the gap between the cores along n, which is a lower bound of their distance, and
+/// a simplex of points b - a, with points a and b of the two cores, which at the solution contains the point
+/// s n (D10.3).
 struct Candidate {
   Vec3<> n{};
   double s = -infinity;

@@ -110,9 +110,9 @@ class Expansion {
  private:
   static constexpr double cap_cosine = -0.99999, curved_precision = 1e-5;
 
-  /// Returns the point of the difference of the cores that is farthest in the direction `out`. Its coordinate
-  /// along `out` is the overlap of the cores for the normal -out. If this overlap is the least so far, -out
-  /// becomes the best normal.
+  /// Returns the point farthest in the direction `out` among all b - a with points a and b of two cores
+  /// (convex bodies without the balls that round them). Its coordinate along `out` is the overlap of the
+  /// cores for the normal -out. If this overlap is the least so far, -out becomes the best normal.
   Vec3<> reach(const Vec3<>& out) noexcept {
     const Vec3<> w = pair_.support(-out).w;
     const double overlap = dot(out, w);
@@ -123,15 +123,16 @@ class Expansion {
     }
     return w;
   }
-  /// Finds the two points of the difference of the cores that are farthest in the directions `out` and -out,
-  /// and returns the one that is farther from the plane through p with the normal `out`.
+  /// Finds the points that are farthest in the directions `out` and -out in the difference of two cores
+  /// (convex bodies without the balls that round them), and returns the one that is farther from the plane
+  /// through p with the normal `out`.
   Vec3<> reach_either(const Vec3<>& out, const Vec3<>& p) noexcept {
     const Vec3<> one = reach(out), other = reach(-out);
     return std::abs(dot(out, one - p)) < std::abs(dot(out, other - p)) ? other : one;
   }
-  /// Makes the first tetrahedron, whose vertices are points of the difference of the cores. The first vertex
-  /// is the farthest one in the direction opposite to the best normal so far. Returns false if the
-  /// tetrahedron is flat.
+  /// Makes the first tetrahedron, whose vertices are points b - a with points a and b of two cores (convex
+  /// bodies without the balls that round them). The first vertex is the farthest one in the direction
+  /// opposite to the best normal so far. Returns false if the tetrahedron is flat.
   bool start() noexcept {
     const double flat = 64 * pair_.rounding;
     const Vec3<> n = c_.n;

@@ -8,8 +8,8 @@ namespace axode::convex {
 namespace {
 
 /// The matrix and the right side of the equations of a Newton step. The step searches the normal n for which
-/// the gap of two cores has a stationary width s. Its unknowns are two tangential components of the change of
-/// n, the weights of up to three vertices of a simplex, and s.
+/// the gap between two convex bodies has a stationary width s. Its unknowns are two tangential components of
+/// the change of n, the weights of up to three vertices of a simplex that represents the vector s n, and s.
 using Equations = std::array<std::array<double, 7>, 6>;
 
 /// Solves linear equations [matrix | right side] by Gauss-Jordan elimination with pivots. The solution
@@ -31,9 +31,9 @@ bool solve(Equations& m, int size) noexcept {
   return true;
 }
 
-/// Newton's method for the normal along which the gap of two cores has a stationary width. A body can be
-/// `frozen`: it is replaced by the polytope of those of its points that are in the simplex, and these do not
-/// change with the normal.
+/// Newton's method for the normal along which the gap between two convex bodies has a stationary width. A
+/// body can be `frozen`: it is replaced by the polytope of those of its points that are in the simplex, and
+/// these do not change with the normal.
 class Newton {
  public:
   Newton(CorePair& pair, const Candidate& start, bool freeze_a, bool freeze_b)

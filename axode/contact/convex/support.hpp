@@ -32,8 +32,8 @@ inline int sector(const Vec3<>& n) {
   return third(n.x) + 3 * third(n.y) + 9 * third(n.z);
 }
 
-/// The point of the core (the shape without the ball that is added to it) that a branch of its support
-/// function gives for the unit normal n, in the axes of the shape.
+/// The point of the core (the shape without the ball that is added to it) that one smooth part (branch) of
+/// its support function gives for the unit normal n, in the axes of the shape.
 inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n) {
   const Vec3<>& h = shape.size;
   switch (shape.core) {
@@ -50,9 +50,10 @@ inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n
   return (1 / norm(q)) * Vec3<>{h.x * q.x, h.y * q.y, h.z * q.z} - shape.radius * n;
 }
 
-/// The number of the branch of the core's support function at the unit normal n. For a hull this is the
-/// vertex that is highest along n. The search for it starts at the vertex `hint` or, if this is higher, at a
-/// stored vertex for directions like n, and walks to ever higher neighbours.
+/// The number of the smooth part (branch) of the core's support function to which the unit normal n belongs;
+/// the core is the shape without the ball that is added to it. For a hull this is the vertex that is highest
+/// along n. The search for it starts at the vertex `hint` or, if this is higher, at a stored vertex for
+/// directions like n, and walks to ever higher neighbours.
 inline int support_branch(const ConvexShape& shape, const Vec3<>& n, int hint) {
   const Vec3<>& h = shape.size;
   switch (shape.core) {

@@ -14,8 +14,9 @@ constexpr double good_start = 1e-6;
 
 }  // namespace
 
-/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a with the Delassus operator Yᵀ Y and the diagonal matrix D of the scales of
-/// the constraint rows. Uses the members u_ and x_ as scratch memory.
+/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a with the Delassus operator Yᵀ Y = J M⁻¹ Jᵀ of the Jacobian J of the
+/// constraint rows and the mass matrix M. D is diagonal and scales the rows such that the diagonal entries of
+/// the product are about 1.
 void VelocitySolver::apply_delassus(const Vector& a, Vector& out) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();
@@ -48,8 +49,9 @@ void VelocitySolver::factorize_shifted(double s) noexcept {
   factorize_with(true);
 }
 
-/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a for a number s by (D11.10), with the Delassus operator Yᵀ Y and the
-/// diagonal matrix D of the scales of the constraint rows.
+/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a for a number s by (D11.10), with the Delassus operator Yᵀ Y = J M⁻¹
+/// Jᵀ of the Jacobian J of the constraint rows and the mass matrix M. D is diagonal and scales the rows such
+/// that the diagonal entries of D⁻¹ Yᵀ Y D⁻¹ are about 1.
 void VelocitySolver::solve_shifted(double s, Vector& a) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();

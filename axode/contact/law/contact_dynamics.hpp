@@ -16,8 +16,8 @@ struct [[nodiscard]] ContactStatus {
 /// Computes the velocities v⁺ after a step h at a given state (q, v) of a mechanism with contacts, hard
 /// stops, joints with dry friction and closed loops, all in one problem (D11.5): M (v⁺ - v) = h (τ - b) + Jᵀ
 /// λ, with the drive forces τ, the bias forces b(q, v), and the Jacobian J of the constraint rows. The
-/// velocities J v⁺ + r of the rows obey the laws of ContactLaw together with the impulses λ. All matrices are
-/// taken at the given state; nothing is integrated.
+/// velocities J v⁺ + r of the rows obey the laws of contact and friction (Signorini, Coulomb) together with
+/// the impulses λ; r are given below. All matrices are taken at the given state; nothing is integrated.
 ///
 /// For the normal row of a contact and for a stop, let u be its velocity before the step, `gap` its distance
 /// and e its restitution. It bounces if e > 0, u < -threshold and gap + h u ≤ 0; then r = e u. Otherwise r =
@@ -66,17 +66,19 @@ class ContactDynamics {
   const Wrench<Spatial>& on_ground() const { return on_ground_; }
 
   /// The derivative ∂v⁺/∂τ of the velocities after the step by the drive forces, nv × nv. The step h, the
-  /// Jacobian J, the mass matrix and the terms r of the rows are held constant. If `details` is not null, it
-  /// receives the derivatives of the multipliers and whether they are unique.
+  /// Jacobian J, the mass matrix and the terms r that are added to the velocities of the constraint rows are
+  /// held constant. If `details` is not null, it receives the derivatives of the multipliers and whether they
+  /// are unique.
   Eigen::MatrixXd derivative_by_tau(ProblemDerivative* details = nullptr);
   /// The derivative ∂v⁺/∂p of the velocities after the step, nv × nv, by p = M v + h (τ - b), the momenta at
-  /// the end of the step without impulses. `details` may be null.
+  /// the end of the step without impulses. If `details` is not null, it receives the derivatives of the
+  /// multipliers.
   Eigen::MatrixXd derivative_by_momenta(ProblemDerivative* details = nullptr);
   /// ∂v⁺/∂r by the number r of each row, nv × rows. `details` may be null.
   Eigen::MatrixXd derivative_by_r(ProblemDerivative* details = nullptr);
   /// The derivative ∂v⁺/∂c of the velocities after the step by the coefficient of friction c of each row, nv
-  /// × rows. The column of a row is 0 if the row is no friction row or if its coefficient is 0. `details` may
-  /// be null.
+  /// × rows. The column of a row is 0 if the row is no friction row or if its coefficient is 0. If `details`
+  /// is not null, it receives the derivatives of the multipliers.
   Eigen::MatrixXd derivative_by_friction(ProblemDerivative* details = nullptr);
 
  private:

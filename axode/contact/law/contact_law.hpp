@@ -53,8 +53,8 @@ LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>&
 LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
 /// Projects the trial impulse z for a convex approximation of the law, in which contacts separate when they
-/// slide. For a contact this is the projection on the friction cone; for all other blocks it is the exact
-/// law, resolve(z).
+/// slide. For a contact this is the projection on the friction cone; for all other blocks it is the impulse
+/// that the exact law allows.
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 /// Calls f with the number of rows of a block as a compile-time constant.

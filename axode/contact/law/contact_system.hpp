@@ -34,7 +34,7 @@ struct ContactFrame {
 ContactFrame contact_frame(const Vec3<>& normal) noexcept;
 /// The axes of a contact for another normal: the new t1 is the tangent t1 of `axes`, projected on the plane
 /// that is perpendicular to `normal` and normalised, so that the axes do not rotate about the normal. If the
-/// old t1 is nearly parallel to the normal, contact_frame(normal) is returned.
+/// old t1 is nearly parallel to the normal, the tangents are chosen from the normal alone.
 ContactFrame turned(const ContactFrame& axes, const Vec3<>& normal) noexcept;
 
 /// A hard stop at a limit of a joint with one velocity: side (q - limit) ≥ 0, where side is 1 or -1.
@@ -76,30 +76,30 @@ class ContactSystem {
   void prescribe(std::span<const PrescribedRow<double>> rows) { loops_.prescribe(rows); }
 
   /// Computes the poses of the internal frames (joint frames) of all bodies at q (n_bodies + 1 entries). The
-  /// constraint rows and factors that set() has made are invalid afterwards.
+  /// constraint rows and the factors of the mass matrix are invalid afterwards.
   void poses(const double* q, SE3<>* C) noexcept;
   /// Computes the twists of all bodies for the velocities v, at the q of the last call of poses() or set().
   void move_bodies(const double* v) noexcept;
   /// Computes the relative velocities (contact_rows() numbers) at a contact along the given axes, for the
-  /// velocities v of the last call of move_bodies().
+  /// motion of the bodies that was computed last.
   void contact_velocity(const Contact& contact, const ContactFrame& axes, double* u) const noexcept;
   /// An upper bound of the speed of all points of a body that are at most `distance` (m) away from its
-  /// origin, m/s, for the velocities v of the last call of move_bodies().
+  /// origin, m/s, for the motion of the bodies that was computed last.
   double speed(int body, double distance) const noexcept;
-  /// Computes the position residual of each scalar loop constraint (row) at the q of the last call of poses()
-  /// or set(), rad or m. It is 0 for constraints of velocities alone, such as rolling.
+  /// Computes the position residual of each scalar loop constraint (row) at the configuration q for which the
+  /// poses were computed last, rad or m. It is 0 for constraints of velocities alone, such as rolling.
   void loop_openings(const double* q, double* openings) noexcept;
 
   /// Factorises the mass matrix and makes all constraint rows at q. Of the hard stops only those nearer than
-  /// `stop_margin` (rad or m) get rows. Afterwards problem() has the rows in physical units; the impulse of a
-  /// joint with dry friction is bounded by its friction force times the step h. Allocates only if there are
-  /// more contacts than the capacity.
+  /// `stop_margin` (rad or m) get rows. Afterwards the rows are in physical units; the impulse of a joint
+  /// with dry friction is bounded by its friction force times the step h. Allocates only if there are more
+  /// contacts than the capacity.
   Solvability set(const double* q, std::span<const Contact> contacts, double h,
                   double stop_margin = std::numeric_limits<double>::infinity());
 
-  /// The problem to find the impulses of the constraint rows. After set(), the caller writes to it the terms
-  /// r that are added to the velocities of the rows, and the motion w without impulses, and calls its
-  /// finish().
+  /// The problem to find the impulses of the constraint rows. Once the rows have been made, the caller writes
+  /// to it the terms r that are added to the velocities of the rows, and the motion w without impulses, and
+  /// completes it by its function finish().
   VelocityProblem& problem() { return problem_; }
   const VelocityProblem& problem() const { return problem_; }
   std::span<const int> active_stops() const { return active_; }  ///< indices in stops()
@@ -109,12 +109,14 @@ class ContactSystem {
   bool has_residual(std::size_t row) const {
     return residual_rows_[row - static_cast<std::size_t>(first_loop_row_)] != 0;
   }
-  /// The distances to the constraints at q, after set(): the gap of each contact, then the distance of each
-  /// active stop from its limit, then the position residual of each row of the loops; m or rad.
+  /// The distances to the constraints at the q for which the rows were made: the gap of each contact, then
+  /// the distance of each active stop from its limit, then the position residual of each row of the loops; m
+  /// or rad.
   std::span<const double> room() const { return room_; }
 
   /// With the mass matrix M = Lᵀ D L, pull() computes x = D^-½ L⁻ᵀ p from momenta or forces p, and push()
-  /// computes v = L⁻¹ D^-½ x, nv numbers each. The two arguments of a call may be the same memory.
+  /// computes the velocities v = L⁻¹ D^-½ x, nv numbers each. One after the other they solve M v = p. The two
+  /// arguments of a call may be the same memory.
   void pull(const double* p, double* x) noexcept;
   void push(const double* x, double* v) noexcept;
   /// With the Jacobian J of all constraint rows, times() computes their velocities u = J v, and
@@ -131,7 +133,7 @@ class ContactSystem {
     loops_.move(q, v, loads, h);
   }
   /// Computes, for each row of the loops with the Jacobian A, the part of (A v)' that does not depend on
-  /// joint accelerations, for the motion with which bias_forces() was called last.
+  /// joint accelerations, for the motion (q, v) of which the bias forces were computed last.
   void loop_bias(double* gamma) noexcept { loops_.bias(gamma); }
   /// The impulse of the contacts on the ground, (moment; force) about the inertial origin, from the impulses
   /// `lambda` of the rows of all contacts in physical units.
@@ -143,18 +145,19 @@ class ContactSystem {
     int body, side;  ///< side: 1 on the path of b, -1 on the path of a, 0 on both
   };
   /// Finds the bodies on the paths from bodies a and b to the ground, and the velocities that the
-  /// articulated-body algorithm eliminates at them. Later calls of pull_row() and add_block() use them.
+  /// articulated-body algorithm eliminates at them. The functions that add constraint rows between a and b
+  /// use them.
   void find_path(int a, int b);
   /// Writes the column of Y = D^-½ L⁻ᵀ Jᵀ for one row of J, with the mass matrix M = Lᵀ D L, by a backward
-  /// sweep along the paths of bodies a and b to the ground, which find_path() must have found. The row of J
+  /// sweep along the paths of bodies a and b to the ground, which must have been found before. The row of J
   /// is given by the wrench `on_b` on body b, the opposite wrench `on_a` on body a, and the generalised
   /// forces x.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
-  /// Appends a block of rows for a constraint between the two bodies for which find_path() was called last.
-  /// The block has the velocities on the paths of these bodies to the ground. Returns the memory for the
-  /// block's part of the Jacobian J, filled with zeros, and sets Y to the memory for its part of D^-½ L⁻ᵀ Jᵀ;
-  /// both have the same layout.
+  /// Appends a block of constraint rows with the Jacobian J for a constraint between the two bodies whose
+  /// paths were found last. The block has the velocities on the paths of these bodies to the ground. Returns
+  /// the memory for the block's part of the Jacobian J, filled with zeros, and sets Y to the memory for its
+  /// part of D^-½ L⁻ᵀ Jᵀ, with the mass matrix M = Lᵀ D L; both have the same layout.
   double* add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant = false);
   /// Adds the constraint rows of a contact. The normal force of a compliant contact is an additional unknown
   /// unless its impulse is given; `compliance` is the index of this unknown, and is then increased.

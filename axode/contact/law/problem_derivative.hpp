@@ -15,11 +15,12 @@ struct ProblemDerivative {
   bool at_kink = false;
 };
 
-/// Differentiates the multipliers λ that solve a problem (D11.11) along k changes of its data. With the
-/// velocities u = Yᵀ (w + Y λ) + r of the rows (friction rows multiplied by their coefficients), dx (nv × k)
-/// has the changes dw + dY λ, and du (rows × k) the changes dYᵀ (w + Y λ) + dr. If contacts share a load, dλ
-/// is not unique; then the dλ with the least Σ d² dλ² is returned, where d² are the scales of the rows.
-/// Allocates; O(rows³).
+/// Differentiates the multipliers λ of constraint rows that solve a problem of contact (D11.11), along k
+/// changes of its data. The velocities of the rows are u = Yᵀ (w + Y λ) + r with the data w (the motion
+/// without impulses), Y (the scaled Jacobian) and r; friction rows are multiplied by their coefficients. dx
+/// (nv × k) has the changes dw + dY λ, and du (rows × k) the changes dYᵀ (w + Y λ) + dr. If contacts share a
+/// load, dλ is not unique; then the dλ with the least Σ d² dλ² is returned, where d² is about the diagonal
+/// entry of Yᵀ Y for a row. Allocates; O(rows³).
 ProblemDerivative differentiate(const VelocityProblem& problem, const double* lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
@@ -31,13 +32,15 @@ struct LawDerivative {
 };
 
 /// Differentiates multipliers λ that obey the laws of a problem if the velocities u of the rows depend on λ
-/// in any way. The laws are λ = resolve(z) with z = λ - u/d² and the scales d² of the rows. by_lambda (rows ×
-/// rows) is ∂u/∂λ at constant data, and by_data (rows × directions) is the change of u along each direction
-/// at constant λ. The multipliers change by
+/// in any way. The laws are λ = resolve(z) with the trial impulse z = λ - u/d²: `resolve` maps a trial
+/// impulse to the impulse that the law allows, and d² is about the diagonal entry of the matrix J M⁻¹ Jᵀ for
+/// a row, with the Jacobian J of the rows and the mass matrix M. by_lambda (rows × rows) is ∂u/∂λ at constant
+/// data, and by_data (rows × directions) is the change of u along each direction at constant λ. The
+/// multipliers change by
 ///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data                                                 (D11.18)
-/// with the derivative Z of resolve() at z. Friction rows are multiplied by their coefficients. `speed` is
-/// the size √(vᵀ M v) of the velocities of the mechanism, with the mass matrix M, and `change` is that of
-/// their changes along the directions; rounding errors are judged by them. Allocates; O(rows³).
+/// with the derivative Z of `resolve` at z. Friction rows are multiplied by their coefficients. `speed` is
+/// the size √(vᵀ M v) of the velocities of the mechanism, and `change` is that of their changes along the
+/// directions; rounding errors are judged by them. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,

@@ -36,7 +36,7 @@ class SparseFactor {
   void clear(bool symmetric) noexcept;
   /// Adds the matrix A_g = P Qᵀ to the rows and columns of one group of indices. P and Q have a row for each
   /// index of the group and `columns` columns. Columns begin padded(rows) numbers apart, the number of rows
-  /// rounded up to whole tiles.
+  /// rounded up to whole tiles (small square blocks).
   void add(int group, const double* P, const double* Q, int columns) noexcept;
   /// Factorises A, which must be positive definite if it was declared symmetric. If it is singular or not
   /// positive definite, solve() gives numbers that are not finite.

@@ -8,15 +8,15 @@ namespace axode {
 
 /// The problem to find the multipliers (impulses) λ of constraint rows with the Jacobian J, such that the
 /// velocities u = Yᵀ (w + Y λ) + r of the rows obey the laws of their blocks together with λ (D11.5). r are
-/// given terms, see ContactDynamics.
+/// given terms, such as the velocities with which contacts bounce.
 ///
 /// With the mass matrix M = Lᵀ D L, x = D^½ L v are the velocities in the metric of the masses: |x|² = vᵀ M
 /// v. w is x for the motion without impulses, and Y = D^-½ L⁻ᵀ Jᵀ has a column for each row. The columns of a
 /// block are stored only for the velocities that the block can move.
 ///
 /// The caller gives rows in physical units together with a factor c for each row, which is the coefficient of
-/// friction for friction rows and 1 for all others. finish() multiplies the rows by c; they are called scaled
-/// rows from then on. A multiplier x of a scaled row stands for the impulse c x.
+/// friction for friction rows and 1 for all others. When the problem is completed, the rows are multiplied by
+/// c; they are called scaled rows from then on. A multiplier x of a scaled row stands for the impulse c x.
 class VelocityProblem {
  public:
   using Vector = Eigen::VectorXd;
@@ -73,8 +73,9 @@ class VelocityProblem {
                                                                          b.rows);
   }
   const std::vector<double>& squared_scales() const { return d2_; }
-  /// Whether a constraint row moves masses, after finish(). It is false only for loop constraints that a
-  /// joint of the tree satisfies in any motion; their columns of Y and terms r are 0 and must remain so.
+  /// Whether an impulse of a constraint row changes the motion; it is known once the problem is complete. It
+  /// is false only for loop constraints that a joint of the tree satisfies in any motion; their columns of Y
+  /// and terms r are 0 and must remain so.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.
@@ -99,14 +100,17 @@ class VelocityProblem {
   std::vector<char> moves_;
 };
 
-/// The relative error of the laws for multipliers λ (of rows that finish() has scaled): |d (λ - resolve(λ -
-/// u/d²))| / (|w| + |Y λ|), which is 0 if the laws hold (D11.7). u are the velocities and d² the scales of
-/// the rows, w is the motion without impulses and Y λ that by the impulses. Rounding errors make it 1e-12; it
-/// is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
+/// The certificate of multipliers λ of constraint rows, which says by how much they violate the laws of
+/// contact, relative to the motion; it is 0 if the laws hold (D11.7). It is |d (λ - resolve(λ - u/d²))| /
+/// (|w| + |Y λ|) with the velocities u of the rows, the motion w without impulses and the motion Y λ that the
+/// impulses add. `resolve` maps a trial impulse to the impulse that the law allows. d is a number for each
+/// row with d² near the diagonal entry of Yᵀ Y: u/d² is then an impulse, and d times an impulse is a motion
+/// like Y λ. Rounding errors make the certificate 1e-12; it is NaN if a number is not finite. `scratch` is
+/// memory for 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes the certificate of multipliers λ, the relative error of the laws. Its inputs are the residual λ -
-/// resolve(λ - u/d²), which is 0 if the laws hold, with the velocities u and the scales d² of the rows, and
-/// the motion t = Y λ (nv() numbers).
+/// Computes the certificate of multipliers λ of constraint rows, the relative error of the laws of contact,
+/// from the error of each row: `residual` has the difference between the multiplier λ and the one that the
+/// law allows for the row's velocity, and t = Y λ (nv() numbers) is the motion that the impulses add.
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

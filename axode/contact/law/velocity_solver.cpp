@@ -135,9 +135,11 @@ double VelocitySolver::certify(const double* lambda) noexcept {
   return certificate_of(*problem_, residual_.data(), t_.data());
 }
 
-/// The residual of a proximal step, λ - resolve(λ_0 - u/R), at multipliers λ. λ_0 are the multipliers at its
-/// start, R is its factor, and u are the velocities of the rows for λ. Writes the term with resolve() to
-/// resolved_ and the residual ρ to residual_. Returns its norm √(Σ d² ρ²) with the scales d² of the rows.
+/// Computes the residual ρ = λ - resolve(λ_0 - u/R) of a proximal step at multipliers λ: λ_0 are the
+/// multipliers at the start of the step, u the velocities of the rows for λ, and R a factor for each row.
+/// `resolve` maps a trial impulse to the impulse that the law of contact allows. Writes its result to
+/// resolved_ and ρ to residual_. Returns the norm √(Σ d² ρ²), where d² is about the diagonal entry of the
+/// Delassus operator for a row.
 double VelocitySolver::multiplier_residual(const Vector& lambda) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);

@@ -16,12 +16,14 @@ struct [[nodiscard]] VelocitySolution {
 };
 
 /// Solves a VelocityProblem: finds multipliers λ which obey the laws λ = resolve(λ - u/d²) with the
-/// velocities u of the rows. It makes proximal steps: from multipliers λ_0, a step solves λ = resolve(λ_0 -
-/// u/R) by Newton's method, with a factor R that makes the solution unique (D11.8). Near the solution,
-/// Newton's method is applied to the laws themselves (D11.9). If the relative error of the laws, the
-/// certificate, stays above 1e-9, the solver starts again: from 0, from the results of alternating directions
-/// (D11.10), from solutions of easier problems with compliant contacts (D11.10a), and from disturbed
-/// multipliers. It returns the multipliers with the least certificate, and this certificate.
+/// velocities u of the rows. `resolve` maps a trial impulse to the impulse that the law allows, and d² is
+/// about the diagonal entry of the Delassus operator for a row. It makes proximal steps: from multipliers
+/// λ_0, a step solves λ = resolve(λ_0 - u/R) by Newton's method, with a factor R that makes the solution
+/// unique (D11.8). Near the solution, Newton's method is applied to the laws themselves (D11.9). If the
+/// relative error of the laws, the certificate, stays above 1e-9, the solver starts again: from 0, from the
+/// results of alternating directions (D11.10), from solutions of easier problems with compliant contacts
+/// (D11.10a), and from disturbed multipliers. It returns the multipliers with the least certificate, and this
+/// certificate.
 ///
 /// The unknowns are velocities or multipliers, whichever takes fewer operations. Matrices in velocities are
 /// factorised along the bodies that touch, see SparseFactor, by Cholesky's method while no contact slides.
@@ -67,9 +69,11 @@ class VelocitySolver {
   bool searches();
   /// Runs Newton's method from start_, and keeps the result if its error of the laws is the least so far.
   void improve(double tolerance, const NewtonOptions& options) noexcept;
-  /// Makes a proximal step: solves λ = resolve(λ_0 - u/R) for the multipliers λ_0 in lambda_0_ by Newton's
-  /// method (D11.8), until the norm of the residual is at most `goal`. Writes λ to resolved_ and the number
-  /// of Newton steps to `iterations`, and returns the norm of the residual.
+  /// Makes a proximal step: from the multipliers λ_0 in lambda_0_, solves λ = resolve(λ_0 - u/R) by Newton's
+  /// method (D11.8), until the norm of the residual is at most `goal`. u are the velocities of the rows for
+  /// λ, R is a factor for each row, and `resolve` maps a trial impulse to the impulse that the law of contact
+  /// allows. Writes λ to resolved_ and the number of Newton steps to `iterations`, and returns the norm of
+  /// the residual.
   double proximal_step(double goal, int& iterations) noexcept;
   double multiplier_residual(const Vector& lambda) noexcept;
   double velocity_residual(const Vector& x, Vector& f) noexcept;
@@ -81,24 +85,26 @@ class VelocitySolver {
   /// that do not halve the least certificate.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
-  /// Makes the matrix B of each block of rows for Newton's method. Z is the derivative of resolve() at z_,
-  /// and R the factor of the proximal step. B is Z/R if `kept` is 0; otherwise it is (1 - (1 - kept) Z)⁻¹
-  /// Z/R, where `kept` is the ε of (D11.9). Returns whether all of these matrices are symmetric.
+  /// Makes the matrix B of each block of rows for Newton's method. Z is the derivative, at the trial impulse
+  /// z_, of the map from a trial impulse to the impulse that the law of contact allows; R is a factor by
+  /// which velocities become impulses. B is Z/R if `kept` is 0; otherwise it is (1 - (1 - kept) Z)⁻¹ Z/R,
+  /// where `kept` is the ε of (D11.9). Returns whether all of these matrices are symmetric.
   bool make_matrices(double kept) noexcept;
   /// Factorises 1 + Y B Yᵀ for Newton's method in velocities; `symmetric` says that all B are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
   /// Factorises the matrix of Newton's method whose unknowns are multipliers: 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y,
-  /// or 1 + Z R⁻¹ Yᵀ Y if `kept` is 0. Z is the derivative of resolve(), R the factor of the proximal step,
-  /// and `kept` the ε of (D11.9).
+  /// or 1 + Z R⁻¹ Yᵀ Y if `kept` is 0. Yᵀ Y is the Delassus operator. Z is the derivative of the map from a
+  /// trial impulse to the impulse that the law of contact allows, R is a factor by which velocities become
+  /// impulses, and `kept` is the ε of (D11.9).
   void factorize_multipliers(double kept) noexcept;
   /// a := B a, block by block, with the matrices B of make_matrices().
   void multiply_blocks(Vector& a) const noexcept;
 
   /// Runs the alternating direction method of multipliers from λ = 0 and writes the best multipliers to
-  /// `lambda`. If `on_laws`, impulses are projected by resolve(), so that they obey the laws. Otherwise
-  /// impulses are projected on the friction cones, and the tangential speed is added to the normal velocity
-  /// of each contact (De Saxcé's form of the law).
+  /// `lambda`. If `on_laws`, each trial impulse is replaced by the impulse that the exact law allows.
+  /// Otherwise impulses are projected on the friction cones, and the tangential speed is added to the normal
+  /// velocity of each contact (De Saxcé's form of the law).
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;
   double largest_eigenvalue() noexcept;
@@ -114,9 +120,11 @@ class VelocitySolver {
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
   /// Finds starts for Newton's method from contact problems that are easier because contacts have a
-  /// compliance R: λ = resolve(-u/R) with R = exp(σ) d² (D11.10a), where u are the velocities and d² the
-  /// scales of the rows. Follows their solutions, which form a path, while σ falls, and runs Newton's method
-  /// for contacts without compliance from points of it. The path begins at the multipliers in y_.
+  /// compliance R: λ = resolve(-u/R) with R = exp(σ) d² (D11.10a). u are the velocities of the rows, d² is
+  /// about the diagonal entry of the Delassus operator for a row, and `resolve` maps a trial impulse to the
+  /// impulse that the law allows. Follows their solutions, which form a path, while σ falls, and runs
+  /// Newton's method for contacts without compliance from points of it. The path begins at the multipliers in
+  /// y_.
   void follow_path(double tolerance);
 
   /// The largest certificate at which no further start is made.

@@ -96,8 +96,9 @@ double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const F
 }
 
 /// Adds the ends of the part along which two segments lie side by side, seen along n, as contact points. Let
-/// e be the distance of the two lines across n. The curvatures of the two surfaces add e² / (2 (radius_a +
-/// radius_b)) to the gap. Returns the least gap, or infinity if the segments do not lie side by side.
+/// e be the distance of the two lines across n. The curvatures of the two surfaces, which are rounded by
+/// balls of radius_a and radius_b, add e² / (2 (radius_a + radius_b)) to the gap. Returns the least gap, or
+/// infinity if the segments do not lie side by side.
 template <class T>
 double clip_segments(const Feature<T>& a, const Feature<T>& b, const FacingFeatures<T>& features,
                      PointList<T>& out) noexcept {

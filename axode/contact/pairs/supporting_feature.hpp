@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// The flat part of the surface of a core that faces a direction: a polygon, a segment, or nothing. Points
-/// are in the inertial frame, m.
+/// The flat part of the surface of a convex shape that faces a direction: a polygon, a segment, or nothing.
+/// Points are in the inertial frame, m.
 template <class T = double> struct Feature {
   static constexpr int most_points = 32;
 
