@@ -5,9 +5,9 @@
 
 namespace axode {
 
-/// Receives the matrices A (2nv × 2nv) and B (2nv × nv) of linearize(), row by row, [component of x',
-/// component of x or δτ]. They must not overlap each other or v. If the model has springs, they must not
-/// overlap q or τ either.
+/// Receives the matrices A (2nv × 2nv) and B (2nv × nv) of the linear system x' = A x + B δτ of small
+/// deviations x of the state and δτ of the forces, row by row, [component of x', component of x or δτ]. They
+/// must not overlap each other or v. If the model has springs, they must not overlap q or τ either.
 template <class T> struct Linearization { std::span<T> A, B; };
 
 /// Computes the linear system x' = A x + B δτ of small deviations x = (δ, δv) from the motion through a state
@@ -17,19 +17,20 @@ template <class T> struct Linearization { std::span<T> A, B; };
 /// where ad_v is the bracket of each joint's subgroup with its velocities: two poses C and C exp(δ) that move
 /// with the velocities v and v + δv separate at the rate δ' = δv - [v, δ]. ad_v is 0 at rest, and for joints
 /// with one velocity. The forces of springs, dampers and stops of the model are part of a. If a = 0 and v =
-/// 0, the state is an equilibrium, and A and B are constant; otherwise A and B hold at this instant only.
-/// Loads and losses are treated as in forward_dynamics_derivatives(), which also has the same cost. No
-/// allocation. Throws std::invalid_argument for loops, prescribed motions, drives with states, a wrong size,
-/// quaternions that are not of unit norm, a load on a frame that does not exist and results that overlap. If
-/// the status is not ok(), all results are NaN.
+/// 0, the state is an equilibrium, and A and B are constant; otherwise A and B hold at this instant only. The
+/// components of loads are constant in the representation in which they are given. If loads.joint_losses is
+/// set, damping and Coulomb friction act; friction has the derivative 0. The cost is that of the first
+/// derivatives of forward dynamics. No allocation. Throws std::invalid_argument for loops, prescribed
+/// motions, drives with states, a wrong size, quaternions that are not of unit norm, a load on a frame that
+/// does not exist and results that overlap. If the status is not ok(), all results are NaN.
 template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,
                       const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes the matrices A and B of the linear system x' = A x + B δτ, see linearize(), also for models with
-/// drives. `tau` are the forces of the drives at this state; A and B do not contain the derivatives of these
-/// forces.
+/// Computes the matrices A and B of the linear system x' = A x + B δτ of small deviations x of the state (q,
+/// v) and δτ of the forces, also for models with drives. `tau` are the forces of the drives at this state; A
+/// and B do not contain the derivatives of these forces.
 template <class T>
 Solvability linearize_without_drives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                      Numbers<T> tau, const std::type_identity_t<Linearization<T>>& linear,

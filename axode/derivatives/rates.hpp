@@ -18,7 +18,7 @@ template <class T> class ForceSeries;
 template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
  public:
   /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if the order is negative, and
-  /// for a model with loops; see inverse_dynamics_rates().
+  /// for a model with loops, for which the function inverse_dynamics_rates() must be called instead.
   InverseDynamicsRates(const Model& model, int order);
   ~InverseDynamicsRates();
   InverseDynamicsRates(InverseDynamicsRates&&) noexcept;

@@ -37,8 +37,8 @@ template <class T, class Add> class DifferentiateSpring {
                       SpringColumns<T>& columns, const Add& add)
       : tree_(tree), law_(law), q_(q), v_(v), columns_(columns), add_(add) {}
 
-  /// A spring along a path of points, with the tension F and the length x: τ_k = -F ∂x/∂q_k. Second
-  /// derivatives of x are sums over the segments of the path (D16.6).
+  /// A spring along a path of points, with the tension F and the length x. Its generalised force at velocity
+  /// k is τ_k = -F ∂x/∂q_k. Second derivatives of x are sums over the segments of the path (D16.6).
   void operator()(const Spring::Path& path) const noexcept {
     columns_.clear();
     T x(0), dx(0);
@@ -64,9 +64,9 @@ template <class T, class Add> class DifferentiateSpring {
     const SpringCoordinate<T> at = coordinate_of(joints, tree_, q_, v_);
     add_by_coordinate(tension(law_, at.x, at.dx));
   }
-  /// A spring whose wrench depends on the relative pose of its ends: τ_k = W·ξ_k, where W is this wrench and
-  /// ξ_k is column k of the relative twist, which is its part for a unit of velocity k. The columns depend on
-  /// the configuration as well (D16.12).
+  /// A spring whose wrench depends on the relative pose of its ends. Its generalised force at velocity k is
+  /// τ_k = W·ξ_k, where W is this wrench and ξ_k is column k of the relative twist, which is its part for a
+  /// unit of velocity k. The columns depend on the configuration as well (D16.12).
   template <class Geometry> void operator()(const Geometry& between) const noexcept {
     columns_.clear();
     const RelativePose<T> at(between.ends, tree_, q_, v_, [&](std::size_t e, int i, int c, const auto& X) {

@@ -3,7 +3,7 @@
 
 namespace axode {
 
-/// Computes the derivatives ∂τ/∂q and ∂τ/∂v of the forces τ of spring_forces(), nv × nv numbers each,
+/// Computes the derivatives ∂τ/∂q and ∂τ/∂v of the generalised forces τ of all springs, nv × nv numbers each,
 /// [component, direction]. They are exact: the second derivatives of spring coordinates, such as distances,
 /// and of logarithms of rotations are included. No allocation; O(nv²) to write the zeros, and O(depth²) for
 /// each spring between two points.

@@ -25,8 +25,8 @@ class DrivePort {
   void update(const Tree<double>& tree, std::span<const double> q, std::span<const double> v);
   double l() const { return l_; }
   double w() const { return w_; }
-  /// The row vector E with l' = E v, as the last update() computed it: pairs of the index of a velocity and
-  /// an entry. If an index occurs several times, its entries must be added.
+  /// The row vector E with l' = E v, as it was computed last: pairs of the index of a velocity and an entry.
+  /// If an index occurs several times, its entries must be added.
   std::span<const std::pair<int, double>> row() const { return row_; }
 
   /// Adds `factor` times the derivative of the row vector E by q to `out` (nv × nv) (D17.3). Entry [i, j] is

@@ -22,15 +22,15 @@ struct DriveEnergy {
 
 /// Derivatives of the drive forces τ (nv numbers) and of the rates f = x' of the nx states x of the drives:
 /// by q along the left-trivialised directions (nv columns), by v, by x (nx columns), and by those inputs u
-/// that are functions of time (a column for each of DriveSystem::inputs()).
+/// that are functions of time (a column for each of these inputs).
 struct DriveDerivatives {
   Eigen::MatrixXd tau_q, tau_v, tau_x, tau_u;
   Eigen::MatrixXd f_q, f_v, f_x, f_u;
 };
 
 /// Derivatives of the least margin of the statuses of the drives: by q along the left-trivialised directions,
-/// by v, by x, and by the inputs as in DriveDerivatives. A status is a number that selects a branch of a
-/// drive's law; it changes when its margin becomes negative.
+/// by v, by the states x of the drives, and by the inputs that are functions of time. A status is a number
+/// that selects a branch of a drive's law; it changes when its margin becomes negative.
 struct MarginDerivatives {
   Eigen::RowVectorXd q, v, x, u;
 };

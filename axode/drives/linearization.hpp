@@ -11,7 +11,7 @@ namespace axode {
 /// The linear system z' = A z + B δu for small deviations z = (δ, δv, δx) from a motion of a mechanism with
 /// drives, at a state (q, v, x). δ is the left-trivialised displacement of q (nv numbers), δv the change of v
 /// (nv), and δx the change of the drive states x (nx). δu are the changes of the inputs that are functions of
-/// time. A is square with 2 nv + nx rows; B has a column for each of DriveSystem::inputs().
+/// time. A is square with 2 nv + nx rows; B has a column for each of these inputs.
 struct DriveLinearization {
   Eigen::MatrixXd A, B;
   Solvability solvability;

@@ -77,10 +77,11 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Sets the friction forces and the data of the problem with which follow() starts, and whose solution is
-/// known: joints at rest stick without a friction force, and the drives of moving joints drive their gears.
-/// The forces that the gears transmit differ from joint to joint, so that in a symmetric mechanism the path
-/// to the solution crosses the boundaries between linear pieces one by one.
+/// Sets the friction forces and the data of a problem whose solution is known, with which the search for the
+/// friction forces starts: joints at rest stick without a friction force, and the drives of moving joints
+/// drive their gears. The forces that the gears transmit differ from joint to joint, so that in a symmetric
+/// mechanism the path to the solution crosses one by one the boundaries between the pieces in which the
+/// equations are linear.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);
@@ -148,11 +149,11 @@ std::vector<ResistingForces::Boundary> ResistingForces::boundaries(Eigen::Index 
   return all;
 }
 
-/// Finds the friction forces by continuation: moves the data along a straight line from the problem that
-/// start() sets up to the frictionless accelerations `a_0` and the drive forces `tau`, and follows the
-/// solution from one linear piece to the next. x_ receives the friction forces at the end. `little` is the
-/// number that regularises the equations of sticking joints. Returns false if the end is not reached after a
-/// limited number of pieces.
+/// Finds the friction forces by continuation: moves the data along a straight line from a problem with a
+/// known solution to the frictionless accelerations `a_0` and the drive forces `tau`. It follows the solution
+/// from each piece in which the equations are linear to the next. x_ receives the friction forces at the end.
+/// `little` is the number that regularises the equations of sticking joints. Returns false if the end is not
+/// reached after a limited number of pieces.
 bool ResistingForces::follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little) {
   const Eigen::Index k = Phi.rows();
   tau_ = tau;

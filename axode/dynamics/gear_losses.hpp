@@ -98,7 +98,7 @@ class MovingGears {
   std::span<const int> velocities() const { return velocities_; }
   /// Adds the friction forces of the k selected gears to the joint forces `tau` (nv). `a` (nv) are the
   /// accelerations without friction forces, and row i of `responses` (k × nv) has the accelerations by a unit
-  /// force on velocity velocities()[i]. If a gear locks itself too strongly (D9.12), the returned Solvability
+  /// force on the joint of gear i. If a gear locks itself too strongly (D9.12), the returned Solvability
   /// names its body, and `tau` does not change.
   template <class T>
   Solvability add_forces(const Model& model, std::span<const T> a, std::span<const T> responses,

@@ -37,15 +37,16 @@ template <class G, class T> struct FastArticulatedBodies {
     Vector m, f;
   };
   /// The motion of a body for zero joint accelerations: its angular velocity ω, its angular acceleration ω',
-  /// and the acceleration r'' of its origin. accelerate() uses the members w and a for the parts of ω' and
-  /// r'' that are due to joint accelerations.
+  /// and the acceleration r'' of its origin. In the last sweep, the members w and a receive the parts of ω'
+  /// and r'' that are due to joint accelerations.
   struct Motion {
     Vector w, dw, a;
     Factor w_, dw_;
   };
-  /// An eliminated joint screw S = (w; v) with U = M S and the pivot D. K = U/D is the wrench on the
-  /// predecessor for a unit joint force; for a hinge it is about the predecessor's origin, and (w; v) is not
-  /// stored. u is D⁻¹ times the joint force that remains after the bias wrench (D4.12, D4.13).
+  /// An eliminated joint screw S = (w; v) with U = M S, where M is the articulated inertia, and the pivot D.
+  /// K = U/D is the wrench on the predecessor for a unit joint force; for a hinge it is about the
+  /// predecessor's origin, and (w; v) is not stored. u is D⁻¹ times the joint force that remains after the
+  /// bias wrench (D4.12, D4.13).
   struct Pivot {
     Vector K_m, K_f, w, v;
     Number D_inv, u;
@@ -125,8 +126,9 @@ template <class G, class T> struct FastArticulatedBodies {
 
   /// Eliminates all joints, from the leaves to the roots, after one of the update_kinematics functions.
   template <class S> void factorize(const Tree<S>& tree) noexcept { sweep<false>(tree, nullptr); }
-  /// Eliminates all joints after update_kinematics_and_bias(), with the drive forces `tau`, for accelerate().
-  /// Before the call, applied wrenches may be subtracted from the bias wrenches.
+  /// Eliminates all joints, from the leaves to the roots, with the drive forces `tau`, so that the
+  /// accelerations can be computed. Kinematics, inertias and bias wrenches must have been computed; applied
+  /// wrenches may have been subtracted from the bias wrenches.
   template <class S> void factorize(const Tree<S>& tree, const T* tau) noexcept { sweep<true>(tree, tau); }
 
   /// The forward sweep after factorize(tree, tau), from the roots on: the accelerations a of all joints.
@@ -206,8 +208,8 @@ template <class G, class T> struct FastArticulatedBodies {
   struct Columns {
     Vec3<Several> m, f;
   };
-  /// Computes M⁻¹ (nv × nv) after factorize(), several columns at once. W (one entry for each body) and u
-  /// (one for each joint screw) are scratch memory.
+  /// Computes the inverse M⁻¹ (nv × nv) of the factorised mass matrix, several columns at once. W (one entry
+  /// for each body) and u (one for each joint screw) are scratch memory.
   template <class S> void inverse(const Tree<S>& tree, Columns* W, Several* u, T* out) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
@@ -287,9 +289,10 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// Solves M X = B for as many columns of X and B as fill a register. reaches(i) says whether B is non-zero
-  /// at a joint in the subtree of body i; this must be false for all bodies after `last`. right_side(c) is
-  /// row c of B. put(c, x) receives row c of X for the velocities of bodies 1 to `last`.
+  /// Solves M X = B with the factorised mass matrix M, for as many columns of X and B as fill a register.
+  /// reaches(i) says whether B is non-zero at a joint in the subtree of body i; this must be false for all
+  /// bodies after `last`. right_side(c) is row c of B. put(c, x) receives row c of X for the velocities of
+  /// bodies 1 to `last`.
   template <class S, class Reaches, class RightSide, class Put>
   [[gnu::always_inline]] void solve(const Tree<S>& tree, int last, const Reaches& reaches,
                                     const RightSide& right_side, const Put& put, Columns* const W,
@@ -352,11 +355,11 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// One step, from the leaves to the root, of the solution of M X = B: that of one joint, whose n screws
-  /// have the indices s to s + n - 1. right_side(k) is the row of B for screw k, and F the sum of the
-  /// wrenches that the joints of the children transmit. Computes u, the acceleration of each screw if the
-  /// predecessor and the screws before it are at rest. Unless the joint is on the ground, F becomes the
-  /// wrench that the joint transmits if the predecessor is at rest.
+  /// One step, from the leaves to the root, of the solution of M X = B with the mass matrix M: that of one
+  /// joint, whose n screws have the indices s to s + n - 1. right_side(k) is the row of B for screw k, and F
+  /// the sum of the wrenches that the joints of the children transmit. Computes u, the acceleration of each
+  /// screw if the predecessor and the screws before it are at rest. Unless the joint is on the ground, F
+  /// becomes the wrench that the joint transmits if the predecessor is at rest.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
                                              const RightSide& right_side, Several* u, bool on_a_body,
@@ -372,10 +375,10 @@ template <class G, class T> struct FastArticulatedBodies {
     if (on_a_body)
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
-  /// One step, from the root to the leaves, of the solution of M X = B: that of one joint, whose n screws
-  /// have the indices s to s + n - 1. free(k) is the acceleration of screw k if the predecessor and the
-  /// screws before it are at rest. put(k, x) receives the acceleration x of screw k for the motion X of the
-  /// predecessor (0 for the ground). The motion of the joint is added to X.
+  /// One step, from the root to the leaves, of the solution of equations with the mass matrix: that of one
+  /// joint, whose n screws have the indices s to s + n - 1. free(k) is the acceleration of screw k if the
+  /// predecessor and the screws before it are at rest. put(k, x) receives the acceleration x of screw k. On
+  /// entry X is the acceleration of the predecessor (0 for the ground), on return that of the body.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {

@@ -9,8 +9,8 @@ namespace axode {
 /// The composite-body algorithm for the mass matrix M of trees without coupled joints. Composite inertias are
 /// about the origins of the bodies in inertial axes. The joint screws S and the impulses F, which give the
 /// subtrees of the joints the twists S, are then written about the origin of the root body, where M_ij = S_i
-/// | F_j. As the velocities of a subtree are consecutive, a row of M is a product of one screw and
-/// consecutive entries of F.
+/// | F_j, the product of a screw and an impulse. As the velocities of a subtree are consecutive, a row of M
+/// is a product of one screw and consecutive entries of F.
 template <class T> struct FastCompositeBodies {
   using L = Lanes<T>;
   using Number = typename L::Number;

@@ -159,9 +159,9 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
       fast.body[i].f -= W_app[i].f;
     }
   }
-  /// Writes the generalised forces τ (nv) after run(). They are the components of the transmitted wrenches
-  /// along the joint screws, plus the forces of armatures and, if joint_losses is set, of damping and
-  /// friction. τ may share the memory of v or a.
+  /// Writes the generalised forces τ (nv), once the wrenches on all bodies have been computed. They are the
+  /// components of the wrenches that the joints transmit along the joint screws, plus the forces of armatures
+  /// and, if joint_losses is set, of damping and friction. τ may share the memory of v or a.
   void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {
     joint_terms(tree, v, a, joint_losses, own);
     for (int c = 0; c < tree->nv; ++c) tau[c] = own[c];

@@ -10,10 +10,10 @@ namespace axode {
 /// loads are added to f. Without drive forces, p' = f + ad_vᵀ p. Everything is in the axes of the joint
 /// frames of the bodies.
 ///
-/// Let (ω_p; v_p) be the twist of the predecessor about the origin of the body of a joint, and (l; p) and (m;
-/// f) the momentum and the wrench of gravity and loads of the subtree of the joint. Then the entries for the
-/// joint with the screws S are
-///   Sᵀ (l; p) in p,   Sᵀ (m + l × ω_p + p × v_p; f + p × ω_p) in f.
+/// For a joint, let (ω; u) be the twist of the predecessor about the origin of the body, and (l; k) and (m;
+/// w) the momentum and the wrench of gravity and loads of the subtree. Then the entries for the joint with
+/// the screws S are
+///   Sᵀ (l; k) in p,   Sᵀ (m + l × ω + k × u; w + k × ω) in f.
 /// It takes about 110 products and sums per hinge.
 template <class T> struct FastLagrangian {
   using G = typename FastGeometry<T>::type;

@@ -69,7 +69,7 @@ template <class G, class T, class S>
 
 /// Computes the poses of the internal frames (joint frames) of all bodies, and calls put(i, (R, r)) with the
 /// pose of each body i. r is the position in the inertial frame or, with From::root, relative to the root
-/// body of the same branch, whose joint is on the ground. It takes 51 products and sums for a hinge.
+/// body, the first body on the path from the ground. It takes 51 products and sums for a hinge.
 template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   enum class From { inertial_frame, root };
   JointAngles<T> angles;

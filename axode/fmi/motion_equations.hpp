@@ -41,11 +41,11 @@ struct Rates {
 
 /// The equations of motion of a mechanism, with loops, prescribed motions, springs, drives and losses of
 /// joints, as ordinary differential equations in (q, v, x) with the states x of drives. Joints with dry
-/// friction stick or slide in one direction until switch_friction(). Plays (backlash of couplings) and hard
-/// stops are free or at an end until switch_plays(). Quaternions in q are normalised first in every function,
-/// so that their norm is constant along solutions. A mechanism with loops has the states of its spanning
-/// tree; the accelerations keep A v constant, with the Jacobian A of the loops, and close() removes
-/// accumulated residuals.
+/// friction stick or slide in one direction until switch_friction() is called. Plays (backlash of couplings)
+/// and hard stops are free or at an end until switch_plays() is called. Quaternions in q are normalised first
+/// in every function, so that their norm is constant along solutions. A mechanism with loops has the states
+/// of its spanning tree; the accelerations keep the rates A v of the loop equations constant, with their
+/// Jacobian A, and accumulated residuals are removed by close().
 class MotionEquations {
  public:
   using Span = std::span<const double>;
@@ -65,9 +65,9 @@ class MotionEquations {
   /// the time in `at`, by changes of q and v. Then chooses the statuses of the drives and of dry friction.
   /// Throws std::runtime_error if the loops cannot be closed, and NoRates.
   void start(Point& at);
-  /// Finds out which plays (backlash of couplings) and hard stops are at an end, after start(). Those that
-  /// move against their end have an impact, which changes v. Throws std::invalid_argument for a play or joint
-  /// beyond an end. Without this call all plays and stops are free.
+  /// Finds out which plays (backlash of couplings) and hard stops are at an end when a motion starts. Those
+  /// that move against their end have an impact, which changes v. Throws std::invalid_argument for a play or
+  /// joint beyond an end. Without this call all plays and stops are free.
   void start_plays(Point& at);
   Rates rates(const Point& at);
   /// Whether there are loops, prescribed motions or plays at an end, which close() keeps closed.
@@ -80,8 +80,8 @@ class MotionEquations {
   /// the drives may change, too.
   void switch_drives(Point& at);
   double next_jump(double t) const;
-  /// Lets joints with dry friction begin to stick or to slide, as simulate() does at the end of a step.
-  /// Velocities in `at` that have come to rest become 0.
+  /// Lets joints with dry friction begin to stick or to slide. Velocities in `at` that have come to rest
+  /// become 0.
   void switch_friction(Point& at);
   /// Lets plays and hard stops meet and leave their ends, as simulate() does with plays; impacts change v.
   void switch_plays(Point& at);

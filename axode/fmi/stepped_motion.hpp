@@ -21,8 +21,8 @@ inline bool moves_with_contact(const Model& model) {
 
 /// A motion in a co-simulation, integrated from one communication point to the next as by simulate(): loops
 /// are closed at the end of each step, and steps end where dry friction, drives or couplings with play
-/// change. If moves_with_contact(), it is integrated as by simulate_contact() instead. Drive forces and loads
-/// are constant between communication points.
+/// change. If the mechanism moves with contact, it is integrated as by simulate_contact() instead. Drive
+/// forces and loads are constant between communication points.
 class SteppedMotion {
  public:
   using Span = std::span<const double>;

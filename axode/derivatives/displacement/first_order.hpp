@@ -45,8 +45,8 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// Computes the quantities of each joint screw (ScrewEffects) of which the derivatives are products, from
-  /// the motion of the bodies in `screws`. `loaded` says whether there are loads.
+  /// Computes, for each joint screw, the screws and wrenches from whose products the derivatives follow
+  /// (ScrewEffects), from the motion of the bodies in `screws`. `loaded` says whether there are loads.
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -147,8 +147,9 @@ template <class T> struct FirstOrder {
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  /// Multiplies the ScrewEffects of joint screw l with those of the joint screws from `begin` to `end` - 1.
-  /// Writes five products for each pair to `line`; the derivatives are sums of such products.
+  /// Multiplies the screws and wrenches that belong to joint screw l (ScrewEffects) with those of the joint
+  /// screws from `begin` to `end` - 1. Writes five products for each pair to `line`; the derivatives are sums
+  /// of such products.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them
@@ -167,8 +168,8 @@ template <class T> struct FirstOrder {
   }
 
   /// Calls by_q, by_v and by_a as f(component of τ, direction, part of the entry) for the entries of ∂τ/∂q,
-  /// ∂τ/∂v and ∂τ/∂a that belong to joint screw l of body i and a screw of its subtree. multiply() must have
-  /// been called for l.
+  /// ∂τ/∂v and ∂τ/∂a that belong to joint screw l of body i and a screw of its subtree. The products for l
+  /// must have been computed by multiply().
   template <class Real, class ByQ, class ByV, class ByA>
   void each_entry_of(const Tree<Real>& tree, int l, int i, const ByQ& by_q, const ByV& by_v,
                      const ByA& by_a) const noexcept {

@@ -112,9 +112,9 @@ template <class T> struct MomentumFirstOrder {
       for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
   }
 
-  /// Computes the MomentumEffects of all joint screws. For this, `screws` evaluates a motion at rest without
-  /// gravity whose accelerations are v: its twist rates are the twists J v, and its wrenches are the momenta
-  /// M J v.
+  /// Computes, for all joint screws, the screws and wrenches from whose products the derivatives follow
+  /// (MomentumEffects). For this, `screws` evaluates a motion at rest without gravity whose accelerations are
+  /// v: its twist rates are the twists J v, and its wrenches are the momenta M J v.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
@@ -137,8 +137,9 @@ template <class T> struct MomentumFirstOrder {
   /// Offsets of the members of MomentumEffects in its array of numbers.
   enum Part { S = 0, psi = 6, eta = 12, U = 18, D = 24, A = 30 };
 
-  /// Multiplies the MomentumEffects of joint screw l with those of the joint screws from `begin` to `end` -
-  /// 1. Writes six products for each pair to `line`; the derivatives are sums of such products.
+  /// Multiplies the screws and wrenches that belong to joint screw l (MomentumEffects) with those of the
+  /// joint screws from `begin` to `end` - 1. Writes six products for each pair to `line`; the derivatives are
+  /// sums of such products.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);

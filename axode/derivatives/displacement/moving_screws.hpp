@@ -32,8 +32,8 @@ template <class T> struct MovingInertia {
 /// With the inertia M, the Coriolis inertia B and the wrench F of the subtree, and the twist V of the body,
 /// they are
 ///   σ = ψ' + [V, S],   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F,   R = M σ + B S,
-/// the moment t of the wrench Bᵀ S, and the time derivatives ψ' and ψ'' of S as it moves with the predecessor
-/// (see CarriedScrew).
+/// the moment t of the wrench Bᵀ S, and the time derivatives ψ' and ψ'' of S as a screw that is fixed to the
+/// predecessor.
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;

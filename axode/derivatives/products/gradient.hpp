@@ -146,7 +146,7 @@ template <class G, class T> struct InverseDynamicsGradient {
   bool loaded = false;  ///< whether there are loads, so that n is not 0
 
   /// The gradient of λ·τ, the weighted sum of the forces of inverse dynamics, with respect to a displacement
-  /// of the whole subtree of body i, joint included. It is a wrench. The sweep backward() must have been run.
+  /// of the whole subtree of body i, joint included. It is a wrench. The backward sweep must have been run.
   /// V_J is the twist of the body relative to its predecessor.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,

@@ -4,8 +4,9 @@
 #include "axode/recursion/solvability.hpp"
 
 /// Products of the derivative matrices of inverse and forward dynamics with vectors, without the matrices:
-/// O(n), no allocation. Vectors have nv entries. A direction dq displaces q to q ⊕ ε dq. Loads act as in
-/// inverse_dynamics_derivatives().
+/// O(n), no allocation. Vectors have nv entries. A direction dq displaces q to q ⊕ ε dq. The components of
+/// loads are constant in the representation in which they are given. If loads.joint_losses is set, damping
+/// and Coulomb friction act; friction has the derivative 0.
 namespace axode {
 
 /// Computes δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da of inverse dynamics at (q, v, a). It takes about two and a

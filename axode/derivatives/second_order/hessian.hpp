@@ -17,7 +17,7 @@ namespace axode {
 /// (q, v), (v, v) and (a, q). Those along (v, a) and (a, a) are 0.
 template <class T> struct InverseDynamicsHessian { std::span<T> qq, qv, vv, aq; };
 /// Computes the second derivatives of Σ_i w_i τ_i of inverse dynamics at (q, v, a). O(n d) on paths of d
-/// velocities, no allocation; takes less than twice as long as inverse_dynamics_derivatives(). See (D2.8) of
+/// velocities, no allocation; takes less than twice as long as the first derivatives. See (D2.8) of
 /// docs/derivations.
 template <class T>
 void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,

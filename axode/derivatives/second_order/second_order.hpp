@@ -6,8 +6,9 @@ namespace axode {
 
 /// The wrench A = M Λ, the moment H of Bᵀ Λ, and the matrix D of the Coriolis inertia for the twist Λ, of a
 /// body with the inertia M and the Coriolis inertia B. Λ is the twist that the body would have if the joints
-/// moved with the weights λ as velocities. The derivatives of the gradient of λ·τ follow from sums of these
-/// quantities over subtrees ((D1.21) and (D2.2) of docs/derivations).
+/// moved with given weights λ as velocities. The derivatives of the gradient of λ·τ, with the forces τ of
+/// inverse dynamics, follow from sums of these quantities over subtrees ((D1.21) and (D2.2) of
+/// docs/derivations).
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;
@@ -24,10 +25,10 @@ template <class T> struct VirtualMomentum {
 };
 
 /// The screws and wrenches of one joint screw from whose products with those of another joint screw all
-/// second derivatives of λ·τ follow, in addition to those in ScrewEffects ((D2.7) and (D2.8) of
-/// docs/derivations). `chi` is the bracket [Λ_p, S] of the joint screw S with the twist Λ_p that the
-/// predecessor would have if the joints moved with the velocities λ, and `psi_1` is [V_p, S] with its twist
-/// V_p.
+/// second derivatives of λ·τ follow, for the forces τ of inverse dynamics and constant weights λ, in addition
+/// to those that give the first derivatives ((D2.7) and (D2.8) of docs/derivations). `chi` is the bracket
+/// [Λ_p, S] of the joint screw S with the twist Λ_p that the predecessor would have if the joints moved with
+/// the velocities λ, and `psi_1` is [V_p, S] with its twist V_p.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
   Wrench<Spatial, T> X, Y, Z, Q;
@@ -36,9 +37,10 @@ template <class T> struct ScrewCurvature {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Computes all members for a joint screw S except Q, which is 0 without loads. `moved` and `momentum`
-  /// belong to the subtree of the joint. V_p is the twist of the predecessor, and Lambda_p the twist that it
-  /// would have if the joints moved with the velocities λ.
+  /// Computes all members for a joint screw S except the wrench Q, which is 0 without loads. `moved` and
+  /// `momentum` have the inertias and momenta of the subtree of the joint. V_p is the twist of the
+  /// predecessor, and Lambda_p the twist that it would have if the joints moved with the weights λ as
+  /// velocities.
   static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
                                      const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
@@ -57,9 +59,9 @@ template <class T> struct ScrewCurvature {
 /// comes first.
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
-/// Computes the second partial derivatives of λ·τ of inverse dynamics in O(n d) on paths of d velocities:
-/// about 400 products and sums for a hinge, and 114 for each pair of a joint and a joint before it on its
-/// path.
+/// Computes the second partial derivatives of λ·τ, the sum of the forces τ of inverse dynamics with constant
+/// weights λ, in O(n d) on paths of d velocities: about 400 products and sums for a hinge, and 114 for each
+/// pair of a joint and a joint before it on its path.
 template <class T> struct SecondOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -202,17 +204,19 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// A correction for the second derivative of λ·τ by the velocities of two screws l and k of one joint,
-  /// which is subtracted from the formula for screws of two joints. It is the power of the wrench -ad_{S_k}ᵀ
-  /// A along the screw S_l, with the sum A of M Λ over the subtree.
+  /// The number to subtract, for two screws l and k of one joint, from the second derivative by their
+  /// velocities that the formula for screws of two different joints gives. Within one joint the velocity of
+  /// one screw does not change the twist of the predecessor of the other, so that one bracket less occurs:
+  /// S_l | -ad_{S_k}ᵀ A, where A is the sum over the subtree of M Λ, the inertia times the twist of a body
+  /// for joint velocities equal to the weights λ.
   T own_bracket(int l, int k) const {
     T sum(0);
     for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
     return sum;
   }
-  /// Multiplies the quantities of joint screw l (ScrewEffects and ScrewCurvature) with those of the joint
-  /// screws from `begin` to `end` - 1, and writes the products to `line`, in six arrays. Second derivatives
-  /// are sums of them.
+  /// Multiplies the screws and wrenches that belong to joint screw l (ScrewEffects and ScrewCurvature) with
+  /// those of the joint screws from `begin` to `end` - 1, and writes the products to `line`, in six arrays.
+  /// Second derivatives are sums of them.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

@@ -9,7 +9,8 @@
 namespace axode {
 
 /// A load W and its first two time derivatives in the frame on which it acts, whose twist is V: W' is the
-/// change of the load that load_change() computes for the displacement V. See (D3.4) of docs/derivations.
+/// change of the load, which is constant in its representation, if the frame is displaced along V. See (D3.4)
+/// of docs/derivations.
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 

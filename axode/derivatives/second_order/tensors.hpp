@@ -214,7 +214,8 @@ template <class T> struct SecondOrderTensors {
   /// The joint screw of column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
   /// Corrects the second derivatives of τ by the velocities of two screws S_l and S_d of one joint. The
-  /// formula for screws of different joints also has a term with their bracket [S_l, S_d], which is
+  /// formula for screws of different joints has a term with their bracket [S_l, S_d] that does not occur
+  /// within one joint, because the velocity of S_l does not move the predecessor of the joint. This term is
   /// subtracted.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
