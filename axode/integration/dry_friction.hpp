@@ -43,8 +43,8 @@ class DryFriction {
   int velocity(std::size_t k) const { return joints_[k].velocity; }
   /// A number that becomes negative when velocity k with dry friction must stop or begin to slide. While it
   /// slides, the number is the velocity in the direction of sliding, plus 1e-12. While it sticks, the number
-  /// is the distance (N m or N) of its friction force from the limit, in the last apply_friction(); if the
-  /// force is at its limit, it is minus the force that would be missing to hold the joint.
+  /// is the distance (N m or N) of its friction force, as computed last, from the limit; if the force is at
+  /// its limit, it is minus the force that would be missing to hold the joint.
   double reserve(std::size_t k, Span v) const;
 
   /// Starts at the velocities v: joints with dry friction slide in their direction, or stick if at rest.
@@ -63,10 +63,9 @@ class DryFriction {
   /// Adds the losses of moving gears to the residuals r = ID(q, v, a) - τ (nv numbers) of the equations of
   /// motion, with inverse dynamics ID (D9.13). `drive` has the drive forces that pass through gears.
   void add_gear_losses(Span v, Span a, Span drive, std::span<double> r);
-  /// Adds the derivatives of the gear losses, as the last add_gear_losses() computed these, to derivatives of
-  /// the residuals ID(q, v, a) - τ of inverse dynamics. `derivatives` are nv × nv matrices [residual,
-  /// direction], without the derivatives of drives and damping: the first is that by a, and the others are
-  /// those by q or v.
+  /// Adds the derivatives of the gear losses that were computed last to derivatives of the residuals ID(q, v,
+  /// a) - τ of inverse dynamics. `derivatives` are nv × nv matrices [residual, direction], without the
+  /// derivatives of drives and damping: the first is that by a, and the others are those by q or v.
   void scale_derivatives(std::initializer_list<std::span<double>> derivatives) const;
 
   /// Adapts derivatives of the accelerations to sticking joints: after the call they hold under the condition
@@ -74,8 +73,8 @@ class DryFriction {
   /// the first one must be ∂a/∂τ.
   void constrain_derivatives(std::initializer_list<std::span<double>> derivatives);
 
-  /// The largest acceleration of a sticking velocity since reset_violation(), relative to its tolerance
-  /// (D9.6): more than 1 if friction cannot hold a joint.
+  /// The largest acceleration of a sticking velocity since the last reset, relative to the tolerance within
+  /// which it counts as 0 (D9.6): more than 1 if friction cannot hold a joint.
   double violation() const { return violation_; }
   void reset_violation() { violation_ = 0; }
   /// Whether a sliding velocity changes its sign in a step of length h (s). Between the start (v_0, a_0) and

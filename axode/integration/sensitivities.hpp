@@ -10,12 +10,13 @@
 /// Sensitivities of a motion that an explicit method on the group of configurations integrates in equal steps
 /// under drive forces that are constant in each step. They are the exact derivatives of the numerical method,
 /// computed from those of forward dynamics. Displacements and gradients of q are left-trivialised, along q ⊕
-/// ε dq. Loads and losses act as in forward_dynamics_derivatives(), springs, dampers and stops as in
-/// simulate_fixed(); with springs a stage of the method costs O(n²). Throws std::invalid_argument for wrong
-/// sizes, quaternions that are not of unit norm, a load on a frame that does not exist, step <= 0, a faulty
-/// tableau, results that share memory with arguments, and mechanisms with loops, prescribed motions, drives
-/// with states or couplings with play. If the returned status is not ok(), because accelerations could not be
-/// computed or are not finite, all results are NaN.
+/// ε dq. The components of loads are constant in the representation in which they are given. If
+/// loads.joint_losses is set, damping and Coulomb friction act; friction has the derivative 0. Springs,
+/// dampers and stops of the model act; with springs a stage of the method costs O(n²). Throws
+/// std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load on a frame that does
+/// not exist, step <= 0, a faulty tableau, results that share memory with arguments, and mechanisms with
+/// loops, prescribed motions, drives with states or couplings with play. If the returned status is not ok(),
+/// because accelerations could not be computed or are not finite, all results are NaN.
 namespace axode {
 
 /// Receives the state (q, v) at the end of a step, and its derivatives A by the state at the start (2nv ×
@@ -46,9 +47,9 @@ Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span
                         const Tableau& method = runge_kutta(4), const Monitor& monitor = {});
 
 /// Receives the gradients of an objective: by q and v of the initial state (nv numbers each), by the drive
-/// forces (K nv numbers for K steps) and by the geometric parameters (n_bodies × 6 numbers, see
-/// geometry_derivatives.hpp). `geometry` may be empty, and must be empty for models with springs between
-/// frames (std::invalid_argument). The spans must not overlap.
+/// forces (K nv numbers for K steps) and by the geometric parameters, displacements of the subtree of each
+/// body along six unit screws (n_bodies × 6 numbers). `geometry` may be empty, and must be empty for models
+/// with springs between frames (std::invalid_argument). The spans must not overlap.
 struct RolloutGradients {
   std::span<double> q, v, tau, geometry = {};
 };

@@ -112,8 +112,8 @@ class DriveTangentSteps {
     return found_.ok();
   }
 
-  /// Computes the rates dydt of y = (v, x), and their changes `by` along displacements of q, y, τ and u
-  /// (D17.19).
+  /// Computes the rates dydt of y = (v, x), the velocities v and the states x of the drives, and their
+  /// changes `by` along displacements of q, y, the drive forces τ and the inputs u (D17.19).
   bool linearize(double t, const Row& dt, Span tau, const Matrix& dtau, const Matrix& du, Span q, Span y,
                  const Matrix& dq, const Matrix& dy, std::span<double> dydt, Matrix& by) {
     const std::size_t nv = steps.v.size();

@@ -11,10 +11,11 @@
 /// steps as by batch::rollout() under drive forces tau that are constant in each step. They are the exact
 /// derivatives of the numerical method. If a status of a drive changes, they are those of the branches that
 /// are taken, and count that the time of the change depends on the state (D17.20). Laws that depend on the
-/// time other than by their input are differentiated as if such a time did not move them, and jumps of
-/// states at a change as if there were none. Displacements and gradients of q are left-trivialised, along q ⊕
-/// ε dq. Loads and losses act as in forward_dynamics_derivatives(), springs, dampers and stops as in
-/// simulate_fixed().
+/// time other than by their input are differentiated as if such a time did not move them, and jumps of states
+/// at a change as if there were none. Displacements and gradients of q are left-trivialised, along q ⊕ ε dq.
+/// The components of loads are constant in the representation in which they are given. If loads.joint_losses
+/// is set, damping and Coulomb friction act; friction has the derivative 0. Springs, dampers and stops of the
+/// model act.
 ///
 /// If x is empty, the drives choose their initial states, which are then taken as independent of q and v.
 /// Throws std::invalid_argument for wrong sizes, numbers of the initial state that are not finite,
@@ -26,9 +27,9 @@ namespace axode {
 
 /// Receives the states (q, v, x) of a motion of K steps, K + 1 rows of each, and for each step, row by row,
 /// the derivatives of the state at its end: A (n × n with n = 2nv + nx) by the state at its start, B (n × nv)
-/// by the drive forces τ and C (n × nu) by constants added to the inputs that are functions of time, in the
-/// order of DriveSystem::inputs(). The first nv rows, and columns of A, are those of q, the next nv those of
-/// v. The spans must not overlap.
+/// by the drive forces τ and C (n × nu) by constants added to the inputs that are functions of time, nu
+/// inputs in the order of their drives. The first nv rows, and columns of A, are those of q, the next nv
+/// those of v. The spans must not overlap.
 struct DriveRolloutDerivatives {
   std::span<double> q, v, x, A, B, C;
 };
@@ -64,7 +65,7 @@ struct DriveGradients {
 };
 /// Backward differentiation of a motion of K steps: from the gradients w of an objective by all K + 1 states,
 /// computes its gradients by the initial state, the drive forces (K rows of nv numbers) and the inputs (K
-/// rows of nu). Stores the matrices of rollout_derivatives_with_drives().
+/// rows of nu). Stores the matrices of derivatives of every step.
 Solvability rollout_vjp_with_drives(const Model& model, const DriveSystem& drives, double t,
                                     std::span<const double> q, std::span<const double> v,
                                     std::span<const double> x, std::span<const double> tau, double step,

@@ -12,8 +12,7 @@
 namespace axode {
 
 /// A motion of (q, v) and of the states x of drives by an explicit method. Its steps end where a status of a
-/// drive must change and where an input jumps, as those of SimulationRun do. After the constructor no memory
-/// is allocated.
+/// drive must change and where an input jumps. After the constructor no memory is allocated.
 class DriveSteps {
  public:
   using Vector = std::vector<double>;
@@ -50,8 +49,9 @@ class DriveSteps {
       drives_.set_state(t, q, v, x);
   }
 
-  /// Advances the motion to t_1, in several steps if inputs jump or statuses of drives change before. rates()
-  /// and close() are called as by take_step().
+  /// Advances the motion to t_1, in several steps if inputs jump or statuses of drives change before.
+  /// rates(t, q, v, x, a, dx) must write accelerations a and rates dx of x and return whether it succeeded;
+  /// close(q, v) must close the loops at the end of a step and return whether they are closed.
   template <class Rates, class Close> End advance(double t_1, const Rates& rates, const Close& close) {
     while (t_ < t_1) {
       if (const End end = take_step(t_1, rates, close); end != End::none) return end;

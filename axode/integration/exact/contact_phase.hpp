@@ -77,12 +77,13 @@ class ContactPhase {
   // After accelerate():
   /// A number that becomes negative when normal forces or friction cannot hold the constraints of the phase
   /// (D11.31). It is the least distance of the constraint forces from a limit or, if several sets of forces
-  /// give the same accelerations, the largest such distance. It is divided by the size of the accelerations
-  /// that all forces cause, measured by √(aᵀ M a) with the mass matrix M.
+  /// give the same accelerations, the largest such distance. It is divided by √(aᵀ M a), with the
+  /// accelerations a that all forces cause and the mass matrix M.
   double reserve();
-  /// For each constraint in `closed`: slips() has its sliding velocity along its stored direction, and
-  /// speeds() the norm of its sliding velocity. Velocities of a contact are multiplied by their coefficients
-  /// of friction. Both are infinite for constraints without friction or that do not slide.
+  /// For each constraint in the list `closed` of contacts, stops and joints with friction: slips() has its
+  /// sliding velocity along the direction of sliding that is stored with it, and speeds() the norm of its
+  /// sliding velocity. Velocities of a contact are multiplied by their coefficients of friction. Both are
+  /// infinite for constraints without friction or that do not slide.
   std::span<const double> slips() const { return slips_; }
   std::span<const double> speeds() const { return speeds_; }
   /// The certificate of the accelerations and forces of the phase (D11.7).
@@ -98,9 +99,9 @@ class ContactPhase {
   /// Moves q and v to the nearest state in which the constraints of the phase hold (D11.30).
   std::string project(Vector& q, Vector& v);
 
-  /// Decides for each constraint in `closed` whether it opens, sticks or slides (D11.32). Before the call,
-  /// constraints with the branch `slide` must have a sliding velocity, and those with the branch `stick` must
-  /// be at rest.
+  /// Decides for each constraint in the list `closed` of contacts, stops and joints with friction whether it
+  /// opens, sticks or slides (D11.32). Before the call, constraints with the branch `slide` must have a
+  /// sliding velocity, and those with the branch `stick` must be at rest.
   std::string decide(const Vector& q, const Vector& v, const Forces& forces);
 
   /// Begins the phase with the constraints `next`. What stuck slides against the present friction.
@@ -118,8 +119,9 @@ class ContactPhase {
   using IsLast = std::function<bool(const Gap& of, double restitution)>;
   /// Computes the velocities v after the impacts of all contacts and stops that touch at q. Those that
   /// approach are added to `met`; is_last() says of each that bounces whether this is its last bounce.
-  /// `certificate` receives the relative error of the laws of contact. Afterwards `closed` has the
-  /// constraints about which decide() must decide.
+  /// `certificate` receives the relative error of the laws of contact. Afterwards the list `closed` has the
+  /// constraints that may remain closed; for each of them decide() must find out whether it opens, sticks or
+  /// slides.
   std::string impact(const Vector& q, Vector& v, const IsLast& is_last, std::vector<Impact>& met,
                      double& certificate);
 
@@ -134,19 +136,19 @@ class ContactPhase {
   std::string start(const Vector& q, const Vector& v, double most, bool& impacts);
 
  private:
-  /// A row of the contact problem whose multiplier accelerate() computes. If the row is the normal row of a
-  /// sliding contact, `friction` has the multipliers of the contact's friction rows, divided by that of this
-  /// row.
+  /// A row (scalar constraint) of the contact problem whose multiplier is computed together with the
+  /// accelerations. If the row is the normal row of a sliding contact, `friction` has the multipliers of the
+  /// contact's friction rows, divided by that of this row.
   struct Active {
     std::size_t constraint;  ///< index in `closed`; its size for loops
     int row;
     std::array<double, LawBlock::most_rows - 1> friction = {};  ///< forces of the friction rows per unit
   };
   void list_touching(const Vector& q, double most);
-  /// Chooses which constraints in `closed` stick and which slide, from the velocities v, and removes those
-  /// that open. The velocity of a constraint is a rounding error if it is less than `of_motion` times the
-  /// largest one that the constraint could have with the same kinetic energy. `impacts` receives whether
-  /// other constraints approach.
+  /// Chooses which constraints in the list `closed` of contacts, stops and joints with friction stick and
+  /// which slide, from the velocities v, and removes those that open. The velocity of a constraint is a
+  /// rounding error if it is less than `of_motion` times the largest one that the constraint could have with
+  /// the same kinetic energy. `impacts` receives whether other constraints approach.
   void select_slow(const Vector& v, double of_motion, bool& impacts);
   std::string find(const Vector& q);  ///< finds all points of contact at q
   const ContactPoint* point(std::uint64_t key) const;

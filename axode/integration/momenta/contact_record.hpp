@@ -17,13 +17,13 @@ class ContactRecord {
   }
 
   void clear() noexcept;
-  /// Sets the recorded points of contact at the end of a step, or of a part of it, to `found`. A recorded
-  /// point that received an impulse but is not in `found` keeps its position.
+  /// Takes the points of contact `found` at the end of a step, or of a part of it, into the list of the
+  /// points of this step. A point in the list that received an impulse but is not in `found` keeps its
+  /// position.
   void locate(std::span<const Contact> found);
   /// Adds the impulses of `contacts`, whose constraints come first in `problem`. lambda are the multipliers
-  /// of all constraints, and u the velocities along them after the impulses. A contact is recorded as
-  /// sticking if its sliding velocity after the impulse is a rounding error of velocity_norm, the norm of all
-  /// velocities.
+  /// of all constraints, and u the velocities along them after the impulses. A contact counts as sticking if
+  /// its sliding velocity after the impulse is a rounding error of velocity_norm, the norm of all velocities.
   void add(const VelocityProblem& problem, std::span<const Contact> contacts, const double* lambda,
            const double* u, double velocity_norm);
   /// Ends a step of length h (s). Impulses are converted to mean forces, and points that received no impulse

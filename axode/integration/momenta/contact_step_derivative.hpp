@@ -78,9 +78,9 @@ class ContactStepDerivative {
     std::vector<ContactFrame> axes = {};
     std::vector<FrameChanges> daxes = {};
   };
-  /// The joint impulses Jᵀ physical() at one end of a substep (a step or a part of one), with the Jacobian J
-  /// of contacts, stops, dry friction and loops. For each row of J there are a scaled multiplier and its
-  /// scale c; physical() is their product.
+  /// The joint impulses Jᵀ λ at one end of a substep (a step or a part of one), with the Jacobian J and the
+  /// impulses λ of contacts, stops, dry friction and loops. Each entry of λ is the product of a scaled
+  /// multiplier and its scale c, a coefficient of friction or 1.
   struct Impulses {
     Matrix J;
     Vector c, lambda;  ///< λ in scaled rows
@@ -116,7 +116,7 @@ class ContactStepDerivative {
   static double mass_norm(const Matrix& M, const Matrix& x);
   void take_momenta(const Vector& q, const Vector& v, Momenta& out);
   /// Finds the points, normals and gaps of contacts with gaps up to `margin`, and their changes along the
-  /// directions of motion_. Returns false if a contact has no formula that can be differentiated.
+  /// directions of differentiation. Returns false if a contact has no formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
   /// The changes (rows × k) of the factors that scale the multipliers: for friction they are the coefficients
   /// of friction. `friction` has the changes of these coefficients for each shape.
@@ -134,7 +134,7 @@ class ContactStepDerivative {
   /// Changes (nv × k) of Jᵀ λ along the directions for constant λ = `physical`, J the constraint Jacobian.
   Matrix impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Matrix& dq);
   /// The changes (rows × k) of J x along the directions for the constraint Jacobian J and constant velocities
-  /// x; writes J x to `u`. motion_ must have run at (q, x).
+  /// x; writes J x to `u`. The motion of the bodies at (q, x) must have been computed.
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);

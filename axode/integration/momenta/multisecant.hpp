@@ -25,8 +25,8 @@ class Multisecant {
     has_step_ = false;
   }
   /// Replaces the value g(x) in `g` by the next x. Residuals are measured by the norm of their entries times
-  /// `weights`. All vectors since restart() must have one size. Allocates nothing up to the size of
-  /// reserve().
+  /// `weights`. All vectors since the last restart must have one size. Allocates nothing up to the reserved
+  /// size.
   void update(std::span<const double> x, std::span<const double> weights, std::span<double> g) {
     const std::size_t n = x.size();
     residual_.resize(n);

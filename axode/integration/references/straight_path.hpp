@@ -29,19 +29,19 @@ class StraightPath {
   /// The joints whose start and goal differ.
   std::span<const Joint> joints() const { return joints_; }
 
-  /// Converts limits on velocities, accelerations or jerks to limits along the paths of joints(). `given` has
-  /// one limit for each velocity, or one for all, in rad or m per s, s² or s³; `name` names them in messages.
-  /// Throws std::invalid_argument unless they are positive and finite.
+  /// Converts limits on velocities, accelerations or jerks to limits along the paths of the joints that move.
+  /// `given` has one limit for each velocity, or one for all, in rad or m per s, s² or s³; `name` names them
+  /// in messages. Throws std::invalid_argument unless they are positive and finite.
   std::vector<double> limits(const char* name, std::span<const double> given) const;
-  /// Converts velocity limits to limits along the paths of joints(). `given` has a limit for each velocity,
-  /// or one for all (rad/s or m/s), which may be infinite. If it is empty, the limits of the model are taken,
-  /// which must then be above 0 for joints that move. Throws std::invalid_argument for limits that are not
-  /// positive.
+  /// Converts velocity limits to limits along the paths of the joints that move. `given` has a limit for each
+  /// velocity, or one for all (rad/s or m/s), which may be infinite. If it is empty, the limits of the model
+  /// are taken, which must then be above 0 for joints that move. Throws std::invalid_argument for limits that
+  /// are not positive.
   std::vector<double> velocity_limits(std::span<const double> given) const;
 
-  /// A function that writes how far each of joints() has moved along its path at time t, which is between 0
-  /// and the duration, and the first two derivatives of this distance by t. If they jump at t, `side` chooses
-  /// the values before the jump (-1) or after it (1).
+  /// A function that writes how far each of the joints that move has gone along its path at time t, which is
+  /// between 0 and the duration, and the first two derivatives of this distance by t. If they jump at t,
+  /// `side` chooses the values before the jump (-1) or after it (1).
   using Profile = std::function<void(double t, int side, std::span<MotionValue> distances)>;
   /// Computes the trajectory on which joints move along their paths as `profile` says. It has at least fifty
   /// steps, and states at all times in `jumps`, where a second or third derivative jumps; in between, it is

@@ -112,9 +112,9 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
 
-  /// Computes the states x of the drives at the end of the free motion that fly() computed last, by (D17.7b).
-  /// It began at time t at q_0 with the states x_0. v_0 and v_1 are the velocities before and after all
-  /// impulses.
+  /// Computes the states x of the drives at the end of the last motion without impulses that was computed, by
+  /// (D17.7b). It began at time t at q_0 with the states x_0. v_0 and v_1 are the velocities before and after
+  /// all impulses.
   void advance_drives(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& v_1,
                       const Vector& x_0, Vector& x) {
     if (drives_.empty()) return;

@@ -11,7 +11,8 @@
 namespace axode {
 
 /// The states of the drives of a motion during its integration. Forces are evaluated with the states that
-/// act_at() has set or, in an implicit step, with those that the drives have at the end of the step.
+/// were set for the present time or, in an implicit step, with those that the drives have at the end of the
+/// step.
 class DriveStates {
  public:
   using Vector = Eigen::VectorXd;
@@ -32,14 +33,17 @@ class DriveStates {
   void start(double t, Span q, Span v, Span given);
   /// Sets the states with which forces are evaluated from now on, and ends an implicit step.
   void act_at(Span x_t);
-  /// Begins an implicit step of length h of the generalised-α method (D17.6). Until act_at(), forces at any
-  /// (q, v) are evaluated with the states that the drives would have if the step ended there.
+  /// Begins an implicit step of length h of the generalised-α method (D17.6). Until the states are set for
+  /// another time, forces at any (q, v) are evaluated with the states that the drives would have if the step
+  /// ended there.
   void begin_implicit_step(double h, double spectral_radius);
-  /// Begins a step of length h of the implicit midpoint rule from the states x_0 (D17.7a). Until act_at(),
-  /// forces at any (q, v) are evaluated with the states x_m in the middle of the step, if (q, v) is there.
+  /// Begins a step of length h of the implicit midpoint rule from the states x_0 (D17.7a). Until the states
+  /// are set for another time, forces at any (q, v) are evaluated with the states x_m in the middle of the
+  /// step, if (q, v) is there.
   void begin_midpoint_step(double h, const Vector& x_0);
   /// Begins a step of length h of the trapezoidal rule (D17.7a) from the states and rates of the last
-  /// evaluation. Until act_at(), forces at any (q, v) are evaluated with the states at its end.
+  /// evaluation. Until the states are set for another time, forces at any (q, v) are evaluated with the
+  /// states at its end.
   void begin_trapezoidal_step(double h) { begin_stage(h / 2, x_t_ + h / 2 * dx_t_, x_t_); }
   /// Computes the states at the end of a step of the midpoint rule, x_1 = 2 x_m - x_0, which may have the
   /// memory of x_0.

@@ -7,8 +7,9 @@
 /// Steps that end where a drive with states changes to another branch of its law.
 namespace axode {
 
-/// Whether the change of statuses at the end of a step changes forces, rates or states of the drives by more
-/// than 1e-9 of the motion in one step, so that the end of the step depends on the time of the change.
+/// Whether the end of a step depends on the time at which a drive changes to another branch of its law. It
+/// does if the change alters a state of the drives, or the velocities and states to which a step of this
+/// length leads, by more than 1e-9 of their size.
 bool SimulationRun::jumps_at_switch(double t, const StepEnd& end) {
   constexpr double small = 1e-9;
   const double h = t - now();

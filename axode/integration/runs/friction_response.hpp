@@ -14,9 +14,8 @@ class FrictionResponse {
   using Span = std::span<const double>;
 
   /// Computes the friction of joints that stick and of gears with losses, and adds its effect to the
-  /// accelerations a (nv numbers), which were computed without it at (q, v): see
-  /// DryFriction::apply_friction(). `loops` is null if the mechanism has no loops. Fails if a gear locks
-  /// itself too strongly; the result then contains its body.
+  /// accelerations a (nv numbers), which were computed without it at (q, v). `loops` is null if the mechanism
+  /// has no loops. Fails if a gear locks itself too strongly; the result then contains its body.
   [[nodiscard]] Solvability apply(const Model& model, Workspace<>& workspace, ClosedMotion* loops,
                                   DryFriction& friction, const EnergyNorm& norm, Span q, Span v,
                                   Span through_gears, std::span<double> a);

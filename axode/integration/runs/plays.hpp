@@ -47,11 +47,12 @@ class Plays {
   /// The rounding error of the gap between play k and one of its ends; smaller gaps count as 0.
   double gap_resolution(std::size_t k, Span q) const;
   /// A number that becomes negative when play k must change. For a free play it is the gap to its nearer end,
-  /// plus a bound on rounding errors and the overshoot that allow_overshoot() permits. For a play at an end
-  /// it is the force with which the end pushes, which `loops` computed with its last accelerations.
+  /// plus a bound on rounding errors and the distance by which the play is allowed to be beyond this end. For
+  /// a play at an end it is the force with which the end pushes, which `loops` computed with its last
+  /// accelerations.
   double reserve(std::size_t k, Span q, const ClosedMotion* loops) const;
   /// Permits each play (backlash of a coupling) to be as far beyond an end as it is at q, from now on. It is
-  /// called after an event and at the start of a motion. Afterwards reserve() is not negative at q.
+  /// called after an event and at the start of a motion. Afterwards no free play must change at q.
   void allow_overshoot(Span q);
   /// Reduces the overshoot that is allowed for plays that are less far beyond their end at q.
   void reduce_overshoot(Span q);

@@ -25,9 +25,9 @@ namespace axode {
 struct StepEnd {
   Eigen::VectorXd q, v, a = {}, x = {}, dx = {};
 };
-/// A function that computes the state at the end of a step from the present time to t_1. It must first call
-/// begin_step(), which resets what is recorded about an attempt, or call check_sticking(), which does the
-/// same.
+/// A function that computes the state at the end of a step from the present time to t_1. It must begin with a
+/// call of begin_step(), which resets what is known about an earlier attempt at the step, or end with one of
+/// check_sticking(), which does this too.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
 /// The part of a simulation in joint coordinates that all integration schemes share: trajectory and present
@@ -51,13 +51,14 @@ class SimulationRun {
   double size_of_residual(const Vector& r) const {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);
   }
-  /// Computes the derivatives of residual() by q, v and a, nv × nv each. The derivatives of the forces of
-  /// SimulationOptions::drive are not included.
+  /// Computes the derivatives by q, v and a of the residual of the equations of motion, nv × nv each. The
+  /// derivatives of the forces of the drive in the options are not included.
   void residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
                             const InverseDynamicsDerivatives<double>& dr);
   bool is_driven() const { return static_cast<bool>(options_.drive); }
-  /// The contribution of SimulationOptions::drive to -residual(): its forces τ or, with loops, (∂a/∂τ) τ with
-  /// ∂a/∂τ from the last residual_derivatives(). Entries for velocities that stick by dry friction are 0.
+  /// The part of the residual of the equations of motion, with the opposite sign, that is due to the drive in
+  /// the options: its forces τ or, with loops, the accelerations (∂a/∂τ) τ with the last ∂a/∂τ that was
+  /// computed. Entries for velocities that stick by dry friction are 0.
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
@@ -83,8 +84,8 @@ class SimulationRun {
   double weakest_row() const { return weakest_row_; }
   /// Whether accelerations jumped at the end of the last step, by dry friction, a drive or a play.
   bool accelerations_jumped() const { return accelerations_jumped_; }
-  /// For schemes without accelerations at the end of a step: computes them there if joints stick, so that
-  /// DryFriction::violation() says whether friction can hold the joints.
+  /// For schemes without accelerations at the end of a step: computes them there if joints stick, to find out
+  /// whether friction can hold the joints.
   Failure check_sticking(double t, const StepEnd& end);
 
   /// Projects the state at the end of a step onto closed loops, computes its accelerations unless the scheme
@@ -131,10 +132,10 @@ class SimulationRun {
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
   /// Computes the sum tau (nv) of drive forces, spring forces and, with dry friction, losses of joints.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// Computes for each velocity the inertia that springs, dampers, drives and SimulationOptions::drive seem
-  /// to add in an implicit step, where a change x of an acceleration changes the coordinate by c_x x and the
-  /// velocity by c_v x. Derivatives of SimulationOptions::drive are difference quotients, and negative
-  /// entries are set to 0.
+  /// Computes for each velocity the inertia that springs, dampers, drives with states and the drive in the
+  /// options seem to add in an implicit step, where a change x of an acceleration changes the coordinate by
+  /// c_x x and the velocity by c_v x. Derivatives of the drive in the options are difference quotients, and
+  /// negative entries are set to 0.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 

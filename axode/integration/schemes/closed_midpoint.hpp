@@ -10,8 +10,8 @@
 namespace axode {
 
 /// A step of the midpoint rule between two impulses that close loops, one at each end of the step (D8.7).
-/// With the residuals r(q, t) of loops and prescribed motions, their Jacobian R, multipliers λ, and the step
-/// length h,
+/// With the residuals r(q, t) of loops and prescribed motions, their Jacobian R, multipliers λ, momenta p,
+/// the mass matrix M, and the step length h,
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1, t + h) = 0.
 /// After the step the caller projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = s', with the rates s' of the
 /// motions, 0 for loops. Then the method is symmetric, of second order, and symplectic on the closed

@@ -10,8 +10,8 @@ namespace axode {
 
 /// A step of the generalised-α method under constraints, on a group with constant mass matrix M (Arnold,
 /// Brüls). Φ are the residuals of joints and loops, B is their Jacobian, λ are the multipliers, and f the
-/// forces. The step to q_1 = q_0 ⊕ x has x and v_1 of AlphaMeans, and the acceleration a_1 and
-/// multipliers λ with
+/// forces. The displacement x of the step to q_1 = q_0 ⊕ x and the velocity v_1 follow from the acceleration
+/// a_1 by the formulas of the method (AlphaMeans). a_1 and the multipliers λ satisfy
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = s                    (index 3)
 /// or, stabilised to index 2, with additional multipliers η of positions whose displacement is a multiple
 /// of M⁻¹ Bᵀ η, also B_1 v_1 = s', with the prescribed motions s at the end of the step. Nonholonomic
@@ -22,8 +22,8 @@ template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
 
-  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0. factorize_with_rank()
-  /// of the system must have been called at this state.
+  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0. The linear system of
+  /// the mechanism must have been factorised at this state, by factorize_with_rank().
   ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
                    const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),

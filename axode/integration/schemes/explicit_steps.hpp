@@ -30,8 +30,9 @@ template <class Run, class Take> void each_step(Run& run, double until, double s
     if (Failure failure = take(k == whole ? until : begin + k * step)) run.stop(failure);
 }
 
-/// Takes steps as each_step() does, in several parts if an input of a drive jumps within a step. take(t_1)
-/// may end a part before t_1. At the ends of parts drives change to other branches of their laws.
+/// Takes equal steps from time 0 to `until`; the last one may be shorter. A step is taken in several parts if
+/// an input of a drive jumps within it. take(t_1) computes a part that ends at t_1 or before. At the ends of
+/// parts drives change to other branches of their laws.
 template <class Run, class Take> void each_part(Run& run, double until, double step, const Take& take) {
   each_step(run, until, step, [&](double t_1) {
     while (run.now() < t_1 && !run.done()) {
@@ -112,9 +113,8 @@ inline constexpr const char* jumps =
 
 /// Limits near singular configurations, where the loop equations are nearly dependent and the error estimate
 /// of a step jumps although the motion does not. Up to `most_passing` such steps in a row are accepted
-/// whatever their estimate is. A step in which LoopSystem::weakest_row(), the distance from dependence (0 to
-/// 1), falls below `too_weak` is tried up to `most_shortened` times more, each time shorter by the factor
-/// `shortened`.
+/// whatever their estimate is. A step in which the distance of these equations from dependence (0 to 1) falls
+/// below `too_weak` is tried up to `most_shortened` times more, each time shorter by the factor `shortened`.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 

@@ -47,9 +47,9 @@ class GroupDerivatives {
         });
   }
 
-  /// Products with one of the maps that at() computes for all joints, such as dexp_{-x}. add() adds the
-  /// product of the map and z to `out`, and add_transposed() the product of the transposed map and z. z and
-  /// `out` have nv rows and one or more columns.
+  /// Products with a map, such as dexp_{-x}, that has been computed for all joints at a displacement x. add()
+  /// adds the product of the map and z to `out`, and add_transposed() the product of the transposed map and
+  /// z. z and `out` have nv rows and one or more columns.
   void add(Block Joints::*map, const Matrix& z, Matrix& out) const {
     add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
   }
