@@ -28,15 +28,18 @@ SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
 /// The matrices of two further factorisations of the spatial Jacobians J^s of all bodies, one below the
 /// other: J^s = A_s Y_s = A_sb X^b (eq. JbSys). Y_s has the joint screws in the inertial frame at q = 0, and
-/// X^b, the matrix X of system_matrices(), has the joint screws in the body frames. Both are constant.
+/// X^b, which system_matrices() returns as X, has the joint screws in the body frames; both are constant.
+/// Block (i, j) of A_s and A_sb transforms the screw of joint j on the path to body i to its present spatial
+/// screw.
 struct SpatialFactors {
   SystemMatrix A_s, Y_s, A_sb;
 };
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
 /// The matrix a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab), with the joint screws X_i in the body frames.
-/// With A and D of system_matrices<BodyFixed>(), the stacked body-fixed Jacobian J of all bodies has the rate
-/// J' = -A a^b D J, or -A a^b J if every joint has one degree of freedom (eq. u:Jb_dot matrix).
+/// Let D transform body-fixed twists from each predecessor to its body, and A = (I - D)⁻¹. Then the stacked
+/// body-fixed Jacobian J of all bodies has the rate J' = -A a^b D J, or -A a^b J if every joint has one
+/// degree of freedom (eq. u:Jb_dot matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 /// The matrix b(V) = diag(ad_{V_1}, ..., ad_{V_n}), 6n × 6n, of the body-fixed or spatial twists V_i of all
 /// bodies (eqs. bb, bs).
@@ -51,14 +54,14 @@ Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> 
                                     std::span<const double> a);
 
 /// Overall inverse kinematics: the velocities v = (XᵀX)⁻¹ Xᵀ (I - D) V of the joints for given twists V of
-/// all bodies, with the matrices X and D of system_matrices(). If no v gives V, this is a least-squares
-/// solution.
+/// all bodies, where X has the joint screws and D transforms twists from each predecessor to its body
+/// (system_matrices()). If no v gives V, this is a least-squares solution.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_velocities(const Model& model, std::span<const double> q, const Eigen::VectorXd& V);
 /// The accelerations of the joints for given twists V and twist rates V' of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D)
-/// V' - bias) (eq. solqddot1), with the matrices X and D of system_matrices(). The bias is the part of (I -
-/// D) V' that is due to velocities; in the body-fixed representation it is -a^b V with the matrix a^b of
-/// a_matrix().
+/// V' - bias) (eq. solqddot1). X has the joint screws, and D transforms twists from each predecessor to its
+/// body (system_matrices()). The bias is the part of (I - D) V' that is due to velocities; in the body-fixed
+/// representation it is -a^b V with a^b = diag(ad_{X_i v_i}).
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_accelerations(const Model& model, std::span<const double> q, const Eigen::VectorXd& V,
                                     const Eigen::VectorXd& dV);

@@ -131,10 +131,10 @@ template <class Rep, class T> struct ArticulatedBodies {
     backward_sweep(tree, x);
     forward_sweep(tree, x);
   }
-  /// Replaces the drive forces x by the joint accelerations a, after factorize(). W[i] must be the wrench
-  /// that body i needs to keep its twist, minus the applied wrenches. bias[i] is the part of the twist rate
-  /// of body i, relative to its predecessor, that does not depend on a, and bias[0] is the twist rate of the
-  /// ground. A null `bias` means that all are 0. O(n).
+  /// Replaces the drive forces x by the joint accelerations a, once the mass matrix has been factorised. W[i]
+  /// must be the wrench that body i needs to keep its twist, minus the applied wrenches. bias[i] is the part
+  /// of the twist rate of body i, relative to its predecessor, that does not depend on a, and bias[0] is the
+  /// twist rate of the ground. A null `bias` means that all are 0. O(n).
   template <TreeOf<T> AnyTree>
   void accelerate(const AnyTree& tree, const TwistRate<Rep, T>* bias, T* x) noexcept {
     W[0] = {};
@@ -144,17 +144,18 @@ template <class Rep, class T> struct ArticulatedBodies {
     forward_sweep(tree, x, bias);
   }
 
-  /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with the
-  /// factors of the mass matrix M = Lᵀ D L.
+  /// The backward sweep, from the leaves to the roots, of the solution of equations with the mass matrix M =
+  /// Lᵀ D L: computes u = L⁻ᵀ x from their right sides x, one for each velocity.
   template <TreeOf<T> AnyTree> void backward_sweep(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
     clear_ties(tree);
     for (int i = tree->n; i > 0; --i) backward_step(tree, i, x);
     backward_step_at_ground(tree, x);
   }
-  /// The step of the backward sweep at body i; it must follow the steps of all other bodies in the subtree.
-  /// `bias` has the twist rates of the bodies, relative to their predecessors, if all joint accelerations are
-  /// 0; a null `bias` means that they are 0.
+  /// The step at body i of the backward sweep, the first half of the solution of equations with the mass
+  /// matrix and the right sides x; it must follow the steps of all other bodies in the subtree. `bias` has
+  /// the twist rates of the bodies, relative to their predecessors, if all joint accelerations are 0; a null
+  /// `bias` means that they are 0.
   template <TreeOf<T> AnyTree>
   void backward_step(const AnyTree& tree, int i, const T* x,
                      const TwistRate<Rep, T>* bias = nullptr) noexcept {
@@ -190,7 +191,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) backward_step_of_tie(tree, 0, t, x);
   }
   /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i (0 is the ground), with its pivot
-  /// D_c and its entry u_c of u = L⁻ᵀ x after the backward sweep.
+  /// D_c and the entry u_c of u = L⁻ᵀ x that the backward sweep has computed from the right sides x, with the
+  /// mass matrix Lᵀ D L.
   template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
     const Topology::Ties& ties = tree->ties;
     if (i > 0 && ties.own[i] < 0)
@@ -200,9 +202,10 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] < 0) f(ties.velocity[t], u_tie[t], row(ties, t)[t]);
   }
 
-  /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u for the factors of the mass
-  /// matrix M = Lᵀ D L. `bias` has the twist rates of the bodies, relative to their predecessors, if all
-  /// joint accelerations are 0; a null `bias` means that they are 0.
+  /// The forward sweep, from the roots to the leaves, of the solution of equations with the mass matrix M =
+  /// Lᵀ D L: computes the solution x = L⁻¹ D⁻¹ u from the result u of the backward sweep. `bias` has the
+  /// twist rates of the bodies, relative to their predecessors, if all joint accelerations are 0; a null
+  /// `bias` means that they are 0.
   template <TreeOf<T> AnyTree>
   void forward_sweep(const AnyTree& tree, T* x, const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -268,16 +271,18 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The entries of the matrix D for joint screw s of body i and the ties of this body. A tie is a velocity
-  /// that several coupled joints share and that the elimination carries through the body. Entry t of the
-  /// returned pointer belongs to tie t.
+  /// The inertias that couple joint screw s of body i with the ties of this body: the entries of the mass
+  /// matrix that remain for them in the elimination. A tie is a velocity that several coupled joints share
+  /// and that the elimination carries through the body. Entry t of the returned pointer belongs to tie t.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// Row t of the matrix D for ties (shared velocities of coupled joints). Entry o of the returned pointer
-  /// belongs to tie o, which must be in the group of t; ties of different groups are not coupled.
+  /// The inertias that couple tie t with the ties of the same body: the row of the mass matrix that remains
+  /// for them in the elimination. A tie is a velocity that several coupled joints share. Entry o of the
+  /// returned pointer belongs to tie o, which must be in the group of t; ties of different groups are not
+  /// coupled.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
@@ -355,8 +360,9 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The backward step for tie t, a velocity that coupled joints share, at body i where it is eliminated.
-  /// Computes the entry of u = L⁻ᵀ x for this velocity, and adds its contributions to the wrench W[i] and to
-  /// the entries of velocities that are eliminated later.
+  /// Computes the entry for this velocity of u = L⁻ᵀ x, with the mass matrix Lᵀ D L and the right sides x,
+  /// and adds its contributions to the wrench W[i] and to the entries of velocities that are eliminated
+  /// later.
   template <class AnyTree> void backward_step_of_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);
@@ -366,8 +372,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
       if (waits(ties, i, o, t)) u_tie[o] += k * D_t[o];
   }
-  /// The forward step for a velocity that coupled joints share (tie t), which is eliminated at body i: it
-  /// computes the entry of x for this velocity from the motion X[i] of the body.
+  /// The forward step, in the solution of equations with the mass matrix, for a velocity that coupled joints
+  /// share (tie t) and that is eliminated at body i: computes the entry of the solution x for this velocity
+  /// from the motion X[i] of the body.
   template <class AnyTree> void forward_step_of_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);

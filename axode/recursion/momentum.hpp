@@ -21,7 +21,7 @@ constexpr Wrench<Rep, T> convected(const Link<Rep, T>& link, const Twist<Rep, T>
 }
 
 /// The wrench of gravity g on a body, in Rep. g is in body axes for body-fixed twists, and in inertial axes
-/// for all others. M is the inertia that Link::inertia() returns.
+/// for all others. M is the inertia of the body in the representation Rep.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<T>& M, const Vec3<T>& g) {
   if constexpr (std::same_as<Rep, Mixed>)
@@ -32,7 +32,7 @@ constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<
 
 /// Computes the rates v and p' of the state (q, p) with the momenta p = M v, in one representation of twists.
 /// v = M⁻¹ p follows by the articulated-body algorithm, and p' from wrenches and momenta that are summed over
-/// subtrees, from the leaves to the roots ((D5.1) and (D5.9) of docs/derivations). See momentum_form().
+/// subtrees, from the leaves to the roots ((D5.1) and (D5.9) of docs/derivations).
 template <class Rep, class T> struct MomentumForm {
   ArticulatedBodies<Rep, T> bodies;
   Wrench<Rep, T>* Pi;  ///< momentum of each subtree, l and p

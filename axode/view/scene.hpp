@@ -32,9 +32,9 @@ inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;
 /// The largest count of numbers for a motion on a page; of a longer motion some states are left out.
 inline constexpr std::size_t longest_motion = 1'000'000;
 
-/// The configuration that the viewer shows first. It is that of initial_state(); from there assemble() closes
-/// the loops and satisfies the prescribed motions, if it can. The search ends early if monitor(), which is
-/// called now and then, returns false.
+/// The configuration that the viewer shows first. It is the initial configuration of the model, from which
+/// the joints are moved until the loops are closed and the prescribed motions satisfied, if this succeeds.
+/// The search ends early if monitor(), which is called now and then, returns false.
 std::vector<double> first_configuration(const Model& model, const std::function<bool()>& monitor = {});
 
 /// Writes the scene that the viewer shows as JSON: bodies with their joints and inertias, frames, shapes with

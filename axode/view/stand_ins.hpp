@@ -33,9 +33,9 @@ struct StandIn {
 /// is such a solid. Bodies that are fixed to the ground are drawn by the same rules, and joints on the ground
 /// itself get a mount.
 ///
-/// Joints are drawn by kind (parts_of()), in the colour of drives unless the joint is passive. The bodies of
-/// a planar mechanism lie above each other (levels_of()). A body that slides and whose joint has no point is
-/// on a rail. Poses are in the body frames.
+/// Joints are drawn by kind, in the colour of drives unless the joint is passive. The bodies of a planar
+/// mechanism lie above each other. A body that slides and whose joint has no point is on a rail. Poses are in
+/// the body frames.
 std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& with_shapes);
 
 }  // namespace axode::view

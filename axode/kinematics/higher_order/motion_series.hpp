@@ -32,7 +32,7 @@ template <class T> class MotionSeries {
   /// ... (order + 1 rows of nv numbers).
   void run(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<false>(tree, q, rates); }
   /// Computes the series of the twists V and joint screws J about the position that the origin of the root
-  /// body (the body of the branch that is joined to the ground) has at t = 0. The axes are inertial.
+  /// body (the first body on the path from the ground) has at t = 0. The axes are inertial.
   void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept {
     run<true>(tree, q, rates);
   }

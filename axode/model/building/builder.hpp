@@ -52,8 +52,8 @@ class ModelBuilder {
 
 /// Replaces the joint of the one body that is fixed to the ground by a free joint `free_base` (or
 /// `free_base_2`, ... if the name is taken). If no body is fixed to the ground and at least one is free on
-/// it, the description does not change. Throws ModelError (rule no_base) if several bodies are fixed to the
-/// ground, or if none is fixed to it or free on it.
+/// it, the description does not change. Throws ModelError if several bodies are fixed to the ground, or if
+/// none is fixed to it or free on it.
 Description with_free_base(Description description);
 /// Fixes all bodies that a free joint connects to the ground. The joint of a single one is named
 /// `fixed_base`; if there are several, their joints have no names. The initial states of these joints are

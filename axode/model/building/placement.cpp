@@ -82,7 +82,9 @@ std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
 constexpr double most_radii = 16;
 
 /// Computes the poses of a body and its joint frame at q = 0 from those of its predecessor (null for the
-/// ground). `mass` has the centre of mass and radius of gyration of the body or of a descendant.
+/// ground). `mass` has the centre of mass and radius of gyration of the body or, if it has no mass, of its
+/// first successor with mass: the joint frame of a prismatic joint is moved to this centre of mass if it is
+/// far away.
 Placement reference_placement(const BodyDescription& body, const Placement* predecessor,
                               const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;
