@@ -69,11 +69,11 @@ struct DriveMotions {
   std::vector<AddedDrive> added = {};  ///< drives in addition to those of the model
 };
 
-/// Integrates N motions of K steps of equal length `step` (s), by the methods of axode::simulate_fixed(). q
-/// and v are the initial states of the N motions. tau has the drive forces: nv numbers for each step of each
-/// motion, constant during the step. q_out and v_out receive K + 1 states for each motion, beginning with the
-/// initial state. If a motion cannot continue, its later states are NaN. If `compiled` is not empty, it
-/// replaces the library's forward dynamics.
+/// Integrates N motions of K steps of equal length `step` (s), by an explicit Runge-Kutta-Munthe-Kaas method,
+/// as axode::simulate_fixed() does. q and v are the initial states of the N motions. tau has the drive
+/// forces: nv numbers for each step of each motion, constant during the step. q_out and v_out receive K + 1
+/// states for each motion, beginning with the initial state. If a motion cannot continue, its later states
+/// are NaN. If `compiled` is not empty, it replaces the library's forward dynamics.
 ///
 /// Loops are closed again after each step. Models with loops need double precision, and the function throws
 /// std::invalid_argument if a loop is open in an initial state.

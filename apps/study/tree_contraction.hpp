@@ -25,11 +25,11 @@ struct OneByOne {
 /// the wrenches at both ends. Here they are the acceleration a of the first body and the wrench f that the
 /// last body passes on to the bodies below; the outputs are
 ///   wrench on the first body = K a + Eᵀ f + κ,  acceleration of the last body: b = E a - N f + α.   (1)
-/// For one body, K is its inertia, E = I and N = 0; nothing is inverted, so that massless bodies are allowed.
-/// A step whose upper node is one body is a step of the articulated-body algorithm. The joint above a
-/// segment, with the screws S, the acceleration x, the drive force τ and the bias c, is eliminated by a = a_p
-/// + c + S x, where a_p is the acceleration of the predecessor. With U = K S, G = E S, D = Sᵀ U + armature
-/// and u = τ - Sᵀ κ this gives
+/// The coefficients K, E, κ, N and α belong to the segment. For one body, K is its inertia, E = I and N = 0;
+/// nothing is inverted, so that massless bodies are allowed. A step whose upper node is one body is a step of
+/// the articulated-body algorithm. The joint above a segment, with the screws S, the acceleration x, the
+/// drive force τ and the bias c, is eliminated by a = a_p + c + S x, where a_p is the acceleration of the
+/// predecessor. With U = K S, G = E S, D = Sᵀ U + armature and u = τ - Sᵀ κ this gives
 ///   x = (u - Uᵀ (a_p + c) - Gᵀ f) / D,  K -= U Uᵀ / D,  E -= G Uᵀ / D,  N += G Gᵀ / D,               (2)
 ///   κ += U u / D + K c,  α += G u / D + E c.
 /// A lower segment with K', E', N', κ', α' after (2) is joined to an upper one with K, E, N, κ, α. With K' =

@@ -6,9 +6,9 @@
 namespace axode {
 
 /// Receives the derivatives of the accelerations of a mechanism with loops by q, v and τ (nv × nv each), and
-/// the derivatives of the multipliers λ of the loops (loops().rows × nv each), which may be empty. Matrices
-/// are stored row by row: a row belongs to a component of the result, and a column to a direction of q, v or
-/// τ.
+/// the derivatives of the multipliers λ of the loops (a row of nv numbers for each of the loops().rows
+/// equations), which may be empty. Matrices are stored row by row: a row belongs to a component of the
+/// result, and a column to a direction of q, v or τ.
 template <class T> struct ClosedDynamicsDerivatives {
   std::span<T> a_q, a_v, a_tau;
   std::span<T> lambda_q = {}, lambda_v = {}, lambda_tau = {};

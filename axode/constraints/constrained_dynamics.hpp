@@ -15,11 +15,11 @@
 namespace axode {
 
 /// Computes the accelerations a (nv) of a mechanism with loops from drive forces τ and, unless `lambda` is
-/// empty, the multipliers λ of the loop equations (loops().rows numbers, N m and N). q and v should close the
-/// loops: their residuals are not corrected. Springs act only if their forces are added to τ. O(n + m d + m²
-/// d + m³) for n bodies and m loop equations on paths of d joints. The returned Solvability is not ok() if
-/// the mass matrix of the spanning tree is singular; a and λ are NaN then. Throws std::invalid_argument for
-/// wrong sizes and for a model with prescribed motions.
+/// empty, the multipliers λ of the loop equations (a number for each of the loops().rows equations; N m and
+/// N). q and v should close the loops: their residuals are not corrected. Springs act only if their forces
+/// are added to τ. O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints. The
+/// returned Solvability is not ok() if the mass matrix of the spanning tree is singular; a and λ are NaN
+/// then. Throws std::invalid_argument for wrong sizes and for a model with prescribed motions.
 template <class T>
 Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              Numbers<T> tau, std::type_identity_t<std::span<T>> a,
@@ -46,13 +46,13 @@ template <class T>
                                  std::type_identity_t<Numbers<T>> forces = {});
 
 /// Computes the wrench that each joint of the spanning tree transmits from the predecessor to the body, all
-/// six components: drive and reaction. The accelerations a and the multipliers λ of the loops (loops().rows)
-/// must belong to one solution of the equations of motion. W[i - 1] belongs to joint i, in the representation
-/// Rep of the frame of body i, with this frame moved to the point `at` without turning it; spatial wrenches
-/// are about the inertial origin. The component of W along a joint is the drive force minus the forces of
-/// armature and losses. It is 0 in passive joints, except that joints in a coupling also transmit the force
-/// of the coupling. Springs are ignored. O(n + m) for m loop equations. Throws std::invalid_argument for
-/// wrong sizes.
+/// six components: drive and reaction. The accelerations a and the multipliers λ of the loops (a number for
+/// each of the loops().rows equations) must belong to one solution of the equations of motion. W[i - 1]
+/// belongs to joint i, in the representation Rep of the frame of body i, with this frame moved to the point
+/// `at` without turning it; spatial wrenches are about the inertial origin. The component of W along a joint
+/// is the drive force minus the forces of armature and losses. It is 0 in passive joints, except that joints
+/// in a coupling also transmit the force of the coupling. Springs are ignored. O(n + m) for m loop equations.
+/// Throws std::invalid_argument for wrong sizes.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                     std::type_identity_t<Numbers<T>> lambda,
@@ -75,17 +75,18 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
 
 /// Computes the velocities v⁺ (nv) after an impact by which loops close: A v⁺ = -e A v with the Jacobian A of
 /// the loop equations and the coefficient of restitution e from 0 to 1 (D7.12). Also computes the impulses of
-/// the loop equations (loops().rows; N m s and N s) unless `impulses` is empty. The kinetic energy decreases
-/// by (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the spanning tree. v⁺ may share the memory
-/// of v. Throws std::invalid_argument for wrong sizes and for an e that is not from 0 to 1.
+/// the loop equations (a number for each of the loops().rows equations; N m s and N s) unless `impulses` is
+/// empty. The kinetic energy decreases by (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the
+/// spanning tree. v⁺ may share the memory of v. Throws std::invalid_argument for wrong sizes and for an e
+/// that is not from 0 to 1.
 template <class T>
 Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, T restitution,
                    std::type_identity_t<std::span<T>> v_after,
                    std::type_identity_t<std::span<T>> impulses = {});
 
 /// Computes the wrench that each loop joint exerts on its second body for the multipliers λ of the loop
-/// equations (loops().rows), in the representation Rep of the frame of that body. W has one entry for each
-/// loop and coupling of the model; entries of couplings of joints are 0.
+/// equations (a number for each of the loops().rows equations), in the representation Rep of the frame of
+/// that body. W has one entry for each loop and coupling of the model; entries of couplings of joints are 0.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void loop_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                    std::type_identity_t<std::span<Wrench<Rep, T>>> W);

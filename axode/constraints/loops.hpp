@@ -35,35 +35,36 @@ template <class T = double> class AXODE_ENTRY LoopWorkspace {
   std::unique_ptr<LoopSystem<T>> system_;
 };
 
-/// Computes the residual r(q) (loops().residuals numbers, rad and m), which is 0 if the loops are closed. It
-/// is smooth along all motions of the loop joints, however far (D6.2). A rolling contact has a residual for
-/// the distance from the plane only, and a belt has none. O(n).
+/// Computes the residual r(q) of the loops (loops().residuals numbers in all, rad and m), which is 0 if the
+/// loops are closed. It is smooth along all motions of the loop joints, however far (D6.2). A rolling contact
+/// has a residual for the distance from the plane only, and a belt has none. O(n).
 template <class T>
 void loop_residual(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                    std::type_identity_t<std::span<T>> r);
 
-/// Computes the Jacobian A(q) of all loop equations, loops().rows × nv, row by row: velocities with A v = 0
-/// keep the loops closed (D6.6). O(n + m d) for m equations on paths of d joints, and O(m nv) to write the
-/// matrix.
+/// Computes the Jacobian A(q) of all loop equations, row by row (nv numbers for each of the loops().rows
+/// equations): velocities with A v = 0 keep the loops closed (D6.6). O(n + m d) for m equations on paths of d
+/// joints, and O(m nv) to write the matrix.
 template <class T>
 void loop_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                    std::type_identity_t<std::span<T>> A);
 
-/// Computes the Jacobian R(q) of the residual r(q) of the loops, loops().residuals × nv, with r' = R v. It is
-/// exact also if the loops are open (D6.4).
+/// Computes the Jacobian R(q) of the residual r(q) of the loops (a row of nv numbers for each of the
+/// loops().residuals entries of r), with r' = R v. It is exact also if the loops are open (D6.4).
 template <class T>
 void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<T>> R);
 
 /// Computes the rate of R(q)ᵀ λ (nv) as q moves with the velocities w (nv), where R is the Jacobian of the
-/// residual r of the loops and λ is constant (loops().residuals numbers). This is the exact product of w with
-/// the matrix of second derivatives of Σ λ_k r_k. O(n + m d) for m residuals on paths of d joints.
+/// residual r of the loops and λ is constant (a number for each of the loops().residuals entries of r). This
+/// is the exact product of w with the matrix of second derivatives of Σ λ_k r_k. O(n + m d) for m residuals
+/// on paths of d joints.
 template <class T>
 void loop_hessian_product(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                           Numbers<T> w, std::type_identity_t<std::span<T>> product);
 
-/// Computes the bias γ(q, v) = A' v of the loop equations A v = 0, A a + γ = 0 (loops().rows numbers). It is
-/// exact also if the loops are open (D6.7). O(n).
+/// Computes the bias γ(q, v) = A' v of the loop equations A v = 0, A a + γ = 0 (a number for each of the
+/// loops().rows equations). It is exact also if the loops are open (D6.7). O(n).
 template <class T>
 void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                std::type_identity_t<std::span<T>> gamma);

@@ -39,17 +39,16 @@ class Distances {
   Distances& operator=(const Distances&) = delete;
 
   /// Computes the signed distances at q of the pairs that are nearer than `margin` (m), in the order of the
-  /// pairs; found() returns the last result again. Takes 0.2 to 15 µs for each pair within the margin, see
-  /// convex_distance(). Throws std::invalid_argument for a wrong q or a margin that is NaN. Allocates
-  /// nothing.
+  /// pairs; found() returns the last result again. Takes 0.2 to 15 µs for each pair within the margin. Throws
+  /// std::invalid_argument for a wrong q or a margin that is NaN. Allocates nothing.
   std::span<const ShapeDistance> evaluate(Numbers<double> q,
                                           double margin = std::numeric_limits<double>::infinity());
   std::span<const ShapeDistance> found() const { return found_; }
 
-  /// Computes the Jacobian of the distances that the last call of evaluate() found, at its q: nv numbers for
-  /// each distance, row by row. An entry is the rate of the distance for a unit of one velocity (D10.11),
-  /// m/rad or m/m. It is exact if the nearest points are unique, and a one-sided derivative otherwise. Costs
-  /// O(depth) for each distance, and nv to clear its row. Throws std::invalid_argument if J has another size.
+  /// Computes the Jacobian of the distances that were computed last, at the same q: nv numbers for each
+  /// distance, row by row. An entry is the rate of the distance for a unit of one velocity (D10.11), m/rad or
+  /// m/m. It is exact if the nearest points are unique, and a one-sided derivative otherwise. Costs O(depth)
+  /// for each distance, and nv to clear its row. Throws std::invalid_argument if J has another size.
   void jacobian(std::span<double> J) const;
 
   const ContactShapes& shapes() const { return shapes_; }

@@ -10,8 +10,8 @@ template <class T> struct InverseDynamicsDerivatives {
   std::span<T> q, v, a, tau = {};
 };
 
-/// Computes the first derivatives of the forces τ of inverse dynamics at a state (q, v, a); ∂τ/∂a is M,
-/// armatures included. Direction k of q is q ⊕ ε e_k. The components of loads are constant in the
+/// Computes the first derivatives of the forces τ of inverse dynamics at a state (q, v, a); ∂τ/∂a is the mass
+/// matrix, armatures included. Direction k of q is q ⊕ ε e_k. The components of loads are constant in the
 /// representation in which they are given. If loads.joint_losses is set, damping is part of ∂τ/∂v. Coulomb
 /// friction adds nothing, and has no derivative at v = 0. Units are those of τ per unit of the direction. O(n
 /// d) for n velocities on paths of d velocities, and the time to write the zeros of the matrices; no

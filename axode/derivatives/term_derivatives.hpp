@@ -23,14 +23,14 @@ void coriolis_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T
                           const std::type_identity_t<StateDerivatives<T>>& d);
 /// Computes ∂Q/∂q and ∂Q/∂v of the generalised forces Q of the loads; ∂Q/∂v is 0 unless loads.joint_losses is
 /// set. The derivatives by a component of a load W on a frame are simpler: Q changes by a row of the Jacobian
-/// J of the frame, see jacobian(), and the accelerations change by a column of M⁻¹ Jᵀ, see
-/// impulse_response().
+/// J of the frame, see jacobian(), and the accelerations change by a column of M⁻¹ Jᵀ with the mass matrix M,
+/// see impulse_response().
 template <class T>
 void generalized_load_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   const Loads<T>& loads, const std::type_identity_t<StateDerivatives<T>>& d);
 
-/// Computes ∂T/∂q and ∂T/∂v = M v of the kinetic energy T, nv numbers each. O(n). See (D1.25) of
-/// docs/derivations.
+/// Computes ∂T/∂q and ∂T/∂v = M v of the kinetic energy T with the mass matrix M, nv numbers each. O(n). See
+/// (D1.25) of docs/derivations.
 template <class T>
 void kinetic_energy_gradient(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              const std::type_identity_t<StateDerivatives<T>>& gradient);

@@ -12,9 +12,9 @@ namespace axode {
 /// The articulated-body algorithm for trees without coupled joints, in inertial axes about the origins of the
 /// bodies. The screw of a hinge with axis n is (n; 0). Bias forces are those of zero joint accelerations.
 ///
-/// The elimination of a hinge at the vector r from the predecessor's origin adds Ad_rᵀ M Ad_r - K Ûᵀ to the
-/// predecessor's inertia, with U = M S, D = Sᵀ U + armature, Û = Ad_rᵀ U and K = Û / D. Velocities of one
-/// joint are eliminated one after the other.
+/// The elimination of a hinge with the screw S at the vector r from the predecessor's origin adds Ad_rᵀ M
+/// Ad_r - K Ûᵀ to the predecessor's inertia, with the articulated inertia M of the body, U = M S, D = Sᵀ U +
+/// armature, Û = Ad_rᵀ U and K = Û / D. Velocities of one joint are eliminated one after the other.
 template <class G, class T> struct FastArticulatedBodies {
   using Number = typename G::Number;
   using Vector = typename G::Vector;

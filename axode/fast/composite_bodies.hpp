@@ -92,9 +92,9 @@ template <class T> struct FastCompositeBodies {
   }
 
  private:
-  /// Writes the block of M with rows i, i + 1, ... and columns j, j + 1, ... (j >= i), and its mirror image
-  /// below the diagonal. The blocks in later rows, and in later columns of these rows, must be written
-  /// before, because SIMD lanes beyond the end of a row spill into the next row.
+  /// Writes the block of the mass matrix with rows i, i + 1, ... and columns j, j + 1, ... (j >= i), and its
+  /// mirror image below the diagonal. The blocks in later rows, and in later columns of these rows, must be
+  /// written before, because SIMD lanes beyond the end of a row spill into the next row.
   template <class Real> void write_block(const Tree<Real>& tree, int i, int j, T* out) const noexcept {
     const Arrays<T> one = S;
     const int nv = tree->nv;

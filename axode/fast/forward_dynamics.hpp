@@ -78,8 +78,8 @@ template <class T> struct FastInverse {
         columns(arena.per_body<typename Bodies::Columns>()),
         u(arena.per_screw<typename Bodies::Several>()) {}
 
-  /// Writes M⁻¹ at q (nv × nv). Returns false and writes nothing if joints are coupled or the mass matrix may
-  /// be singular.
+  /// Writes the inverse of the mass matrix at q (nv × nv). Returns false and writes nothing if joints are
+  /// coupled or the mass matrix may be singular.
   bool run(const Tree<T>& tree, const T* q, T* M_inverse) noexcept {
     if (!tree->coupled_bodies.empty()) return false;
     bodies.update_kinematics(tree, q);

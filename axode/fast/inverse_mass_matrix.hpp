@@ -35,8 +35,8 @@ template <class T> struct FastInverseMassMatrix {
   }
 
  private:
-  /// Computes the pivots D_i of M = LᵀDL and the rows of X = L⁻ᵀ, from the last row to the first. For row i
-  /// it first computes x_c = -L_ci for the velocities c whose joints velocity i moves.
+  /// Computes the pivots D_i of the mass matrix M = LᵀDL and the rows of X = L⁻ᵀ, from the last row to the
+  /// first. For row i it first computes x_c = -L_ci for the velocities c whose joints velocity i moves.
   template <class S> void factorize(const Tree<S>& tree, T* M) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();
@@ -62,8 +62,8 @@ template <class T> struct FastInverseMassMatrix {
       }
     }
   }
-  /// Computes M⁻¹_ij = Σ_k X_ki X_kj / D_k for j >= i, and the other entries by symmetry. X is L⁻ᵀ, M is
-  /// LᵀDL.
+  /// Computes M⁻¹_ij = Σ_k X_ki X_kj / D_k for j >= i, and the other entries by symmetry. X is L⁻ᵀ for the
+  /// mass matrix M = LᵀDL with the pivots D_k.
   template <class S> void multiply(const Tree<S>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();

@@ -133,8 +133,8 @@ constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) 
   return {dw, (T(1) / M.m) * W.f - cross(dw, c)};
 }
 
-/// The rate V' of the twist V of a body under the resultant wrench W: the inverse of wrench(). The body has
-/// the pose C, and M is its inertia in the body frame.
+/// The rate V' of the twist V of a body under the resultant wrench W, by the Newton-Euler equations. The body
+/// has the pose C, and M is its inertia in the body frame.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
                                          const Wrench<Rep, T>& W) {

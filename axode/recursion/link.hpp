@@ -86,9 +86,9 @@ template <class T> struct Link<Spatial, T> {
   }
 };
 
-/// Link in hybrid representation: V_i^h = Ad_{r_ip} V_p^h + Ad_R X v with the body-fixed joint screw X
-/// (Müller, eq. VhRec). r_pi is the vector from the origin of p to that of i in inertial axes, and r_ip =
-/// -r_pi.
+/// Link in hybrid representation: V_i^h = Ad_{r_ip} V_p^h + Ad_R X v with the predecessor p and the
+/// body-fixed screw X of the joint (Müller, eq. VhRec). r_pi is the vector from the origin of p to that of i
+/// in inertial axes, and r_ip = -r_pi.
 template <class T> struct Link<Hybrid, T> {
   SO3<T> R;
   Vec3<T> r_pi;
@@ -111,8 +111,9 @@ template <class T> struct Link<Hybrid, T> {
   constexpr ArticulatedInertia<Hybrid, T> up(const ArticulatedInertia<Hybrid, T>& M) const {
     return transform(r_pi, M);
   }
-  /// The part ad_{r'_ip} V_p + ad_ω (X v) of the twist rate V'_i that is due to velocities, with r'_ip = r'_p
-  /// - r'_i and the twist X v of the joint in inertial axes (Müller, eqs. recVhdot1, dVhRec2).
+  /// The part ad_{r'_ip} V_p + ad_ω (X v) of the twist rate V'_i that is due to velocities, with the twist
+  /// V_p of the predecessor p, the angular velocity ω of body i, the velocities r'_p and r'_i of the origins,
+  /// r'_ip = r'_p - r'_i, and the twist X v of the joint in inertial axes (Müller, eqs. recVhdot1, dVhRec2).
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};

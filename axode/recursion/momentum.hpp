@@ -52,8 +52,8 @@ template <class Rep, class T> struct MomentumForm {
         velocity(arena.per_velocity<T>()),
         force(arena.per_velocity<T>()) {}
 
-  /// Writes v and p' (nv numbers each), which may share the memory of arguments. If the mass matrix is
-  /// singular, both are NaN. O(n).
+  /// Writes the velocities v and the rates p' of the momenta (nv numbers each), which may share the memory of
+  /// arguments. If the mass matrix is singular, both are NaN. O(n).
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* p, const T* tau, const Loads<T>& loads, T* v,
                   T* dp) noexcept {
@@ -129,10 +129,10 @@ template <class T> struct SpatialMomentumForm {
         velocity(arena.per_velocity<T>()),
         x(arena.per_velocity<T>()) {}
 
-  /// Writes v (nv numbers) and Π' (n wrenches), which may share the memory of arguments. v is computed
-  /// without armatures, and Π' with them. If the mass matrix without armatures is singular, v and Π' are NaN.
-  /// Π' alone is NaN if the mass matrix with armatures is found to be singular or a number is not finite.
-  /// O(n).
+  /// Writes the joint velocities v (nv numbers) and the rates Π' of the momenta of the n bodies, which may
+  /// share the memory of arguments. v is computed without armatures, and Π' with them. If the mass matrix
+  /// without armatures is singular, v and Π' are NaN. Π' alone is NaN if the mass matrix with armatures is
+  /// found to be singular or a number is not finite. O(n).
   Solvability run(const Tree<T>& tree, const T* q, const Momentum<Spatial, T>* Pi, const T* tau,
                   const Loads<T>& loads, T* v, Wrench<Spatial, T>* dPi) noexcept {
     joint_poses(tree, q, bodies.links.C_pi);

@@ -46,7 +46,7 @@ SceneContents write_scene(const Model& model, std::span<const double> q, std::os
 
 /// Writes one HTML file that contains the viewer and a scene, and needs no other file and no network.
 /// `empty_page` is the viewer's page without a scene. Throws std::invalid_argument if `empty_page` is not
-/// this page, or if write_scene() throws.
+/// this page, or if the scene has a fault.
 SceneContents write_page(std::string_view empty_page, const Model& model, std::span<const double> q,
                          std::ostream& out, const SceneOptions& options = {});
 

@@ -39,10 +39,10 @@ struct Definition {
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision);
 /// Writes the definition of a recorded function in C that computes several states at once, one in each lane
-/// of a vector (types axode_lanes and axode_mask, see c_lanes()). `sine_cosine` with `_lanes` added is the
-/// name of the function for sines and cosines. The function is `static`, returns a mask of the lanes whose
-/// mass matrix may be singular if the recording reports them, and has as last argument the array of numbers
-/// that its parts exchange.
+/// of a vector (the types axode_lanes and axode_mask of the generated code). `sine_cosine` with `_lanes`
+/// added is the name of the function for sines and cosines. The function is `static`, returns a mask of the
+/// lanes whose mass matrix may be singular if the recording reports them, and has as last argument the array
+/// of numbers that its parts exchange.
 Definition lanes_definition(const Recording& recording, const std::string& name,
                             const std::string& sine_cosine, const Precision& precision);
 

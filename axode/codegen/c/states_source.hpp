@@ -5,8 +5,9 @@
 
 namespace axode::codegen {
 
-/// Writes C source for a model: each function NAME for one state as by c_source(), and a function for several
-/// states, which uses vector extensions of the compiler:
+/// Writes C source for a model: each of the given functions for one state, with a name NAME that is made of a
+/// prefix and the name of the function, and a function for several states, which uses vector extensions of
+/// the compiler:
 ///
 ///     void NAME_states(long count, const T *const *arguments, T *result, T *scratch,
 ///                      unsigned char *maybe_singular)

@@ -7,7 +7,8 @@
 namespace axode::codegen {
 
 /// C source of external functions of CasADi, which are loaded by `casadi.external(NAME, LIBRARY)`. The source
-/// needs no other file. NAME is PREFIX_FUNCTION, as in c_source(). For each function there are
+/// needs no other file. NAME is made of options.prefix or the model's name, and the name of the function. For
+/// each function there are
 ///
 ///     int NAME(const casadi_real **arg, casadi_real **res, casadi_int *iw, casadi_real *w, int mem)
 ///     casadi_int NAME_n_in(void), NAME_n_out(void)

@@ -16,9 +16,10 @@ struct JointState {
 };
 
 /// Computes the coordinates and velocities of the joints from the poses C and the body-fixed twists V of the
-/// body frames that the user placed, bodies 0 to n_bodies(); the inverse of poses() and twists(). Of the
-/// angles that differ by whole turns, those nearest to the coordinates `near` are taken, or to the neutral
-/// configuration if `near` is empty. Throws std::invalid_argument for wrong sizes. O(n).
+/// body frames that the user placed, beginning with the ground; the inverse of the functions poses() and
+/// twists(), which compute these from joint coordinates. Of the angles that differ by whole turns, those
+/// nearest to the coordinates `near` are taken, or to the neutral configuration if `near` is empty. Throws
+/// std::invalid_argument for wrong sizes. O(n).
 JointState joint_state(const Model& model, std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V,
                        std::span<const double> near = {});
 

@@ -30,7 +30,7 @@ class Closure {
   const std::vector<int>& outside() const { return outside_; }
 
   /// The indices of the loops and, after them, the couplings that take part in a linear combination of the
-  /// closure equations. `combination` has its coefficients, one for each of the rows() equations.
+  /// closure equations. `combination` has its coefficients, one for each equation.
   std::vector<int> loops_of_equations(const Eigen::Ref<const Eigen::VectorXd>& combination) const;
   /// The indices of the loops and, after them, the couplings with a coordinate c that moves (moves[c]).
   std::vector<int> loops_of_coordinates(const std::vector<char>& moves) const;

@@ -77,12 +77,12 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
   /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
   /// matrix M and bias forces h, and the Jacobian of the loop equations, by a fast kernel. The forces are
-  /// valid until the next call. It does not compute the motion of the bodies, so that joint_wrenches() and
-  /// differentiate() must not be called afterwards.
+  /// valid until the next call. The motion of the bodies, from which joint_wrenches() and differentiate()
+  /// compute their results, is not updated.
   std::span<T> force_fast(const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept;
-  /// Computes the residual (A v)' - s'' of the loop equations A v = s' (loops().rows numbers), where s' is
-  /// not 0 for prescribed motions. The motion (q, v, a) and the loop equations for velocities must have been
-  /// computed. The numbers are valid until the next call.
+  /// Computes the residual (A v)' - s'' of the loop equations A v = s' (a number for each equation), where s'
+  /// is not 0 for prescribed motions. The motion (q, v, a) and the loop equations for velocities must have
+  /// been computed. The numbers are valid until the next call.
   std::span<const T> acceleration_residual(const T* a) noexcept;
   /// Computes the least drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations
   /// A v = 0, such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. Drives act on the

@@ -37,10 +37,10 @@ template <class T, int n> struct RowsInLanes {
 
   /// Moves the reference point of the wrenches from o to p; r is the vector from p to o.
   template <class Vector> void move(const Vector& r) { m += cross(all(r), f); }
-  /// Removes from the wrenches F the part that the joint of screw S takes up, F -= x U (D7.6), and stores the
-  /// entries D^-½ u of Y for this joint velocity in `y`. Here U = M S with the articulated inertia M, D is
-  /// the pivot of the velocity, u = Sᵀ F, and `root` is D^-½. x must be u / D, or u if U has been divided by
-  /// D.
+  /// Removes from the wrenches F the part that the joint of screw S takes up, F -= x U (D7.6), and stores in
+  /// `y` the entries D^-½ u, for this joint velocity, of the matrix Y of the scaled loop equations. Here U =
+  /// M S with the articulated inertia M, D is the pivot of the velocity, u = Sᵀ F, and `root` is D^-½. x must
+  /// be u / D, or u if U has been divided by D.
   template <class Vector>
   void eliminate(const Rows& u, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
     const Rows Y = Rows(root) * u;

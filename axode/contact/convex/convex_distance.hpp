@@ -25,8 +25,8 @@ struct ConvexDistance {
   bool proved() const noexcept;
 };
 
-/// The normal, in the axes of body a, and the hull vertices that a call of convex_distance() found last. They
-/// make the next call faster and do not change its result.
+/// The normal, in the axes of body a, and the hull vertices that the last computation of a distance found.
+/// They make the next call faster and do not change its result.
 struct WarmStart {
   Vec3<> normal{};
   int vertex_a = 0, vertex_b = 0;

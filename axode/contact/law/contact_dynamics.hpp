@@ -39,11 +39,12 @@ class ContactDynamics {
   /// std::invalid_argument if `contact_rows` is not 3, 4 or 6.
   explicit ContactDynamics(const Model& model, int contact_rows = 3, std::size_t capacity = 64);
 
-  /// Solves for v⁺ and λ at a state (q, v) with drive forces tau. `start` has the impulses of all rows with
-  /// which the solver starts, or is empty to start from 0. Throws std::invalid_argument if an argument has
-  /// another size or is not finite, if h is not positive or the threshold is negative, or if a contact has no
-  /// unit normal, a negative friction, a restitution outside 0 to 1, or bodies that do not exist or are
-  /// equal. Allocates nothing if there are not more contacts than the capacity or than in an earlier call.
+  /// Computes the velocities v⁺ after a step of length h and the impulses λ at a state (q, v) with drive
+  /// forces tau. `start` has the impulses of all rows with which the solver starts, or is empty to start from
+  /// 0. Throws std::invalid_argument if an argument has another size or is not finite, if h is not positive
+  /// or the threshold is negative, or if a contact has no unit normal, a negative friction, a restitution
+  /// outside 0 to 1, or bodies that do not exist or are equal. Allocates nothing if there are not more
+  /// contacts than the capacity or than in an earlier call.
   ContactStatus solve(std::span<const double> q, std::span<const double> v, std::span<const double> tau,
                       std::span<const Contact> contacts, const Options& options,
                       std::span<const double> start = {}, const Loads<>& loads = {});
@@ -71,8 +72,8 @@ class ContactDynamics {
   /// are unique.
   Eigen::MatrixXd derivative_by_tau(ProblemDerivative* details = nullptr);
   /// The derivative ∂v⁺/∂p of the velocities after the step, nv × nv, by p = M v + h (τ - b), the momenta at
-  /// the end of the step without impulses. If `details` is not null, it receives the derivatives of the
-  /// multipliers.
+  /// the end of a step of length h without impulses, with the mass matrix M, the drive forces τ and the bias
+  /// forces b. If `details` is not null, it receives the derivatives of the multipliers.
   Eigen::MatrixXd derivative_by_momenta(ProblemDerivative* details = nullptr);
   /// ∂v⁺/∂r by the number r of each row, nv × rows. `details` may be null.
   Eigen::MatrixXd derivative_by_r(ProblemDerivative* details = nullptr);

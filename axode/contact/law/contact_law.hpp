@@ -17,8 +17,8 @@ enum class ContactLaw {
 
 /// Consecutive constraint rows that obey one law together. A contact has its normal row first, and then two
 /// rows of sliding friction, one of drilling and two of rolling friction: 3, 4 or 6 rows. Every other block
-/// has one row. Friction rows are multiplied by their coefficients, so that the cone of every contact is
-/// |λ_T| ≤ λ_N.
+/// has one row. Friction rows are multiplied by their coefficients, so that the friction cone of every
+/// contact is |λ_T| ≤ λ_N for the impulses λ_N of the normal row and λ_T of the friction rows.
 struct LawBlock {
   static constexpr int most_rows = 6;
 

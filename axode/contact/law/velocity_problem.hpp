@@ -39,8 +39,9 @@ class VelocityProblem {
   void clear(int compliances = 0);
   /// Appends a block of rows to the problem. The block moves the velocities `support`, in ascending order;
   /// with `compliant` the last of them is the additional unknown of a compliant contact. Returns the block's
-  /// part of Y, support.size() × rows, column by column. Before the next call, the caller must write to it
-  /// D^-½ L⁻ᵀ times the transposed rows of the Jacobian, and set the entries of r and c for these rows.
+  /// part of Y = D^-½ L⁻ᵀ Jᵀ, column by column, with a row for each velocity in `support`; J is the Jacobian
+  /// of the rows, and Lᵀ D L the mass matrix. Before the next call, the caller must write it, and set for
+  /// each row the term r that is added to its velocity and its factor c (a coefficient of friction or 1).
   /// Allocates where more is needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
@@ -48,10 +49,10 @@ class VelocityProblem {
   void set_compliance(const Block& block, double C) noexcept;
   double compliance(const Block& block) const noexcept;
   /// Completes the problem. Multiplies the constraint rows by their factors c, which are coefficients of
-  /// friction or 1. Computes the scale d² of each row from the diagonal of the Delassus operator Yᵀ Y
-  /// (D11.6): in general the entry of the row, but all rows of a contact have the entry of the normal row or
-  /// half of the largest entry, whichever is larger. If the normal impulse of a contact is given, adds the
-  /// motion by this impulse to w.
+  /// friction or 1. Computes the scale d² of each row from the diagonal of the Delassus operator Yᵀ Y = J M⁻¹
+  /// Jᵀ (D11.6), with the Jacobian J of the rows and the mass matrix M: in general the entry of the row, but
+  /// all rows of a contact have the entry of the normal row or half of the largest entry, whichever is
+  /// larger. If the normal impulse of a contact is given, adds the motion by this impulse to w.
   void finish() noexcept;
   /// Writes the given normal impulses of pressed contacts, which the law leaves out, into a solution.
   void complete(double* lambda) const noexcept;
@@ -74,8 +75,8 @@ class VelocityProblem {
   }
   const std::vector<double>& squared_scales() const { return d2_; }
   /// Whether an impulse of a constraint row changes the motion; it is known once the problem is complete. It
-  /// is false only for loop constraints that a joint of the tree satisfies in any motion; their columns of Y
-  /// and terms r are 0 and must remain so.
+  /// is false only for loop constraints that a joint of the tree satisfies in any motion; all their
+  /// coefficients are 0 and must remain so.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.

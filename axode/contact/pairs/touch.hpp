@@ -5,8 +5,8 @@
 namespace axode {
 
 /// Adds the contact points of the pair of shapes i and j, with the poses A and B in the inertial frame, if
-/// there is a closed form for this pair. Otherwise returns false, and touch_convex() must be called to add
-/// them. In both cases, points that are added next belong to this pair.
+/// there is a closed form for this pair. Otherwise returns false; then the function for any two convex
+/// shapes, touch_convex(), must be called. In both cases, points that are added next belong to this pair.
 template <class T>
 [[nodiscard]] bool touch(const ContactShapes& shapes, int i, int j, const SE3<T>& A, const SE3<T>& B,
                          PointList<T>& out) noexcept;

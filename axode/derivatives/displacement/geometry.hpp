@@ -68,7 +68,8 @@ template <class T> struct GeometryDerivatives {
 };
 
 /// Computes ∂a/∂π of forward dynamics with respect to the geometric parameters π, each of which displaces a
-/// subtree along a unit screw: -M⁻¹ ∂τ/∂π, with ∂τ/∂π of inverse dynamics at the accelerations a.
+/// subtree along a unit screw: -M⁻¹ ∂τ/∂π, with the mass matrix M and ∂τ/∂π of inverse dynamics at the
+/// accelerations a.
 template <class T> struct ForwardGeometryDerivatives {
   AccelerationsAndColumns<T> forward;
   GeometryDerivatives<T> inverse;

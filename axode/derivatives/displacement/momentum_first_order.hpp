@@ -31,8 +31,8 @@ template <class T> struct MomentumEffects {
 };
 
 /// Computes the derivatives of the momentum form: those of the velocities v = M⁻¹ p and of the rates p' of
-/// the momenta by q and p. They follow from the derivatives of M v and p' as functions of (q, v) ((D5.5) of
-/// docs/derivations).
+/// the momenta p = M v by q and p, with the mass matrix M. They follow from the derivatives of M v and p' as
+/// functions of (q, v) ((D5.5) of docs/derivations).
 template <class T> struct MomentumFirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;

@@ -42,9 +42,9 @@ template <class T> struct ScrewEffects {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Computes all members for a joint screw S, except the part of P due to loads. `moved` has the inertia,
-  /// the Coriolis inertia and the wrench of the subtree. V_p and dV_p are the twist of the predecessor and
-  /// its rate, and V is the twist of the body.
+  /// Computes all members for a joint screw S, except the part of the wrench P that is due to loads. `moved`
+  /// has the inertia, the Coriolis inertia and the wrench of the subtree. V_p and dV_p are the twist of the
+  /// predecessor and its rate, and V is the twist of the body.
   static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S, const Motion6<T>& V_p,
                                    const Motion6<T>& dV_p, const Motion6<T>& V) {
     const CarriedScrew<T> psi(V_p, dV_p, S);

@@ -48,9 +48,9 @@ template <class T> struct ForwardVjp {
     if (verdict.ok()) compute_gradient(tree, q, v, w, loads);
     return verdict;
   }
-  /// Computes the gradients, by q and v, of w·a for the accelerations a of forward dynamics, which must have
-  /// been computed before. With the mass matrix M and μ = M⁻¹ w they are the gradients of -μ·τ of inverse
-  /// dynamics at constant accelerations a.
+  /// Computes the gradients, by q and v, of w·a with constant weights w for the accelerations a of forward
+  /// dynamics, which must have been computed before. With the mass matrix M and μ = M⁻¹ w they are the
+  /// gradients of -μ·τ of inverse dynamics at constant accelerations a.
   void compute_gradient(const Tree<T>& tree, const T* q, const T* v, const T* w,
                         const Loads<T>& loads) noexcept {
     std::copy_n(w, tree->nv, mu);

@@ -104,7 +104,7 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
 
   /// The backward sweep, from the leaves to the root. Adds to by_q, by_v and by_a the gradients by q, v and a
-  /// of λ·τ, the weighted sum of the forces of inverse dynamics.
+  /// of λ·τ, the sum of the forces τ of inverse dynamics with weights λ.
   template <class S>
   void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,
                 T* by_a) noexcept {
@@ -145,9 +145,9 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
   bool loaded = false;  ///< whether there are loads, so that n is not 0
 
-  /// The gradient of λ·τ, the weighted sum of the forces of inverse dynamics, with respect to a displacement
-  /// of the whole subtree of body i, joint included. It is a wrench. The backward sweep must have been run.
-  /// V_J is the twist of the body relative to its predecessor.
+  /// The gradient of λ·τ, the sum of the forces τ of inverse dynamics with weights λ, with respect to a
+  /// displacement of the whole subtree of body i, joint included. It is a wrench. The backward sweep must
+  /// have been run. V_J is the twist of the body relative to its predecessor.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {

@@ -85,8 +85,8 @@ template <class T> struct InverseDynamicsVjp {
 
   /// Calls f(i, u, derivative) for all geometric parameters: body i and unit screw u. The parameter displaces
   /// the subtree of body i along the unit screw, before its joint moves, and `derivative` is the derivative
-  /// by it of λ·τ, the weighted sum of the forces of inverse dynamics. The gradient of λ·τ by q, v and a must
-  /// have been computed before, by run().
+  /// by it of λ·τ, the sum of the forces τ of inverse dynamics with weights λ. The gradient of λ·τ by q, v
+  /// and a must have been computed before, by run().
   template <class F>
   void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
                       const F& f) const noexcept {

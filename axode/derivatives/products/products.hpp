@@ -19,8 +19,8 @@ void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T
 
 /// Receives the gradients of w·τ by q, v and a, nv entries each. They must not overlap.
 template <class T> struct InverseDynamicsGradients { std::span<T> q, v, a; };
-/// Computes the gradient of w·τ of inverse dynamics: wᵀ times the three matrices ∂τ/∂q, ∂τ/∂v and ∂τ/∂a. See
-/// (D1.22) of docs/derivations.
+/// Computes the gradient of w·τ, the sum of the forces τ of inverse dynamics with weights w: wᵀ times the
+/// three matrices ∂τ/∂q, ∂τ/∂v and ∂τ/∂a. See (D1.22) of docs/derivations.
 template <class T>
 void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           Numbers<T> a, Numbers<T> w,
@@ -37,8 +37,8 @@ Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Nu
 
 /// Receives the gradients of w·a by q, v and τ, nv entries each. They must not overlap.
 template <class T> struct ForwardDynamicsGradients { std::span<T> q, v, tau; };
-/// Computes the gradient of w·a of forward dynamics with respect to q, v and τ. It is NaN if the status is
-/// not ok(). See (D1.24) of docs/derivations.
+/// Computes the gradient of w·a, the sum of the accelerations a of forward dynamics with weights w, with
+/// respect to q, v and τ. It is NaN if the status is not ok(). See (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> w,

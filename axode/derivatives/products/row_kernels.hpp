@@ -89,8 +89,8 @@ template <class By> struct RowKernel<Id("forward_dynamics"), By> {
     by.accelerate(tree, x[Input::q], x[Input::v], x[Input::tau], a);
   }
 };
-/// Computes ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics: ∂a/∂x = -M⁻¹ ∂τ/∂x for x = q and v, with ∂τ/∂x of
-/// inverse dynamics at the accelerations a, and ∂a/∂τ = M⁻¹.
+/// Computes ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics: ∂a/∂x = -M⁻¹ ∂τ/∂x for x = q and v, with the mass
+/// matrix M and ∂τ/∂x of inverse dynamics at the accelerations a, and ∂a/∂τ = M⁻¹.
 template <class By> struct RowKernel<Id("forward_dynamics_derivatives"), By> {
   using T = typename By::T;
   RowKernel<Id("inverse_dynamics_derivatives"), By> inverse;

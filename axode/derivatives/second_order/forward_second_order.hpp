@@ -4,11 +4,11 @@
 
 namespace axode {
 
-/// Computes the second derivatives of w·a of forward dynamics along the pairs of directions (q, q), (q, v),
-/// (v, v) and (τ, q), and writes them to the blocks of H; H.aq receives those along (τ, q) ((D2.9) of
-/// docs/derivations). Before the call, `second` must have computed the second derivatives of inverse dynamics
-/// at the accelerations a, with the weights -M⁻¹ w, where M is the mass matrix. solve(X) must replace a
-/// matrix X of nv columns by M⁻¹ X.
+/// Computes the second derivatives of w·a, the sum of the accelerations a of forward dynamics with weights w,
+/// along the pairs of directions (q, q), (q, v), (v, v) and (τ, q), and writes them to the blocks of H; H.aq
+/// receives those along (τ, q) ((D2.9) of docs/derivations). Before the call, `second` must have computed the
+/// second derivatives of inverse dynamics at the accelerations a, with the weights -M⁻¹ w, where M is the
+/// mass matrix. solve(X) must replace a matrix X of nv columns by M⁻¹ X.
 template <class T, class Real, class Solve>
 void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Loads<T>& loads,
                         const HessianBlocks<T>& H, const Solve& solve) noexcept {

@@ -9,8 +9,8 @@
 namespace axode {
 
 /// Receives the second derivatives of τ of inverse dynamics along the pairs of directions (q, q), (q, v), (v,
-/// v) and (a, q); the last tensor is ∂M/∂q. They take O(n d²) on paths of d velocities, and the time to write
-/// the zeros.
+/// v) and (a, q); the last tensor has the derivatives of the mass matrix by q. They take O(n d²) on paths of
+/// d velocities, and the time to write the zeros.
 template <class T> struct InverseDynamicsSecondDerivatives { std::span<T> qq, qv, vv, aq; };
 template <class T>
 void inverse_dynamics_second_derivatives(
@@ -18,8 +18,8 @@ void inverse_dynamics_second_derivatives(
     const std::type_identity_t<InverseDynamicsSecondDerivatives<T>>& second);
 
 /// Receives the second derivatives of a of forward dynamics along the pairs of directions (q, q), (q, v), (v,
-/// v) and (τ, q); the last tensor is ∂M⁻¹/∂q. They take O(n³ d) on paths of d velocities. They are NaN if the
-/// status is not ok().
+/// v) and (τ, q); the last tensor has the derivatives of the inverse mass matrix by q. They take O(n³ d) on
+/// paths of d velocities. They are NaN if the status is not ok().
 template <class T> struct ForwardDynamicsSecondDerivatives { std::span<T> qq, qv, vv, tauq; };
 template <class T>
 Solvability forward_dynamics_second_derivatives(

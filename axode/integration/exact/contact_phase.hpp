@@ -120,8 +120,7 @@ class ContactPhase {
   /// Computes the velocities v after the impacts of all contacts and stops that touch at q. Those that
   /// approach are added to `met`; is_last() says of each that bounces whether this is its last bounce.
   /// `certificate` receives the relative error of the laws of contact. Afterwards the list `closed` has the
-  /// constraints that may remain closed; for each of them decide() must find out whether it opens, sticks or
-  /// slides.
+  /// constraints that may remain closed; whether each of them opens, sticks or slides is not decided yet.
   std::string impact(const Vector& q, Vector& v, const IsLast& is_last, std::vector<Impact>& met,
                      double& certificate);
 

@@ -10,7 +10,8 @@
 namespace axode {
 
 /// Newton's matrix J of an implicit step, factorised (D8.6): the derivative of r = ID(q, v, a) - τ by a, with
-/// inverse dynamics ID and q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x δa, hence
+/// inverse dynamics ID, the mass matrix M and q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x
+/// δa, hence
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
 /// System is the class of the mechanism. Its member functions are residual_derivatives(q, v, a, dr), which
 /// computes the derivatives of r without those of a drive in the options; is_driven(), whether there is such

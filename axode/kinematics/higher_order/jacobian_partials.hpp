@@ -29,10 +29,10 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
                        const std::function<bool()>& should_continue = {});
 
 /// The directional derivative D_uν ... D_u1 J of the Jacobian of a place (a frame or a point on a body), nv
-/// columns: the tensor of jacobian_partials() contracted with one direction for each derivative. `directions`
-/// has `order` rows of nv numbers, the innermost direction u1 first. O(m 3^order) screw products for m joint
-/// screws between the place and the ground; order is at most largest_directional_order. If all directions are
-/// equal, HigherOrderMotion is faster. Allocates.
+/// columns: the tensor of its partial derivatives contracted with one direction u for each derivative.
+/// `directions` has `order` rows of nv numbers, the innermost direction u1 first. O(m 3^order) screw products
+/// for m joint screws between the place and the ground; order is at most largest_directional_order. If all
+/// directions are equal, HigherOrderMotion is faster. Allocates.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,

@@ -65,8 +65,8 @@ std::optional<std::string> degrees_complaint(std::string_view subject, std::span
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
 bool check_shape(const FaultySubject& at, const ShapeDescription& shape);
 bool check_numbers(const BodyDescription& body, FaultCollector& faults);
-/// Checks that report the faults of an element. check_joint() and check_inertia() need a body that has passed
-/// check_numbers(); the others accept any numbers, including infinity and NaN.
+/// Checks that report the faults of an element. check_joint() and check_inertia() need a body whose numbers
+/// are finite; the others accept any numbers, including infinity and NaN.
 void check_joint(const BodyDescription& body, FaultCollector& faults);
 void check_inertia(const BodyDescription& body, FaultCollector& faults);
 void check_loop(const FaultySubject& at, const LoopDescription& loop);
