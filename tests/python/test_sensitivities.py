@@ -169,7 +169,7 @@ def test_geometry_of_loops_is_refused_in_motions_with_contact():
     motion = m.neutral(), np.zeros(m.nv), np.zeros((2, m.nv)), 1e-3
     assert axode.contact_rollout_derivatives(*(m, *motion), parameters=True).geometry is None
     with pytest.raises(ValueError, match='"four-bar.*" has closed loops'):
-        axode.contact_rollout_jvp(m, *motion, *motion[1:3], motion[2], geometry=np.zeros((m.n_bodies, 6)))
+        axode.contact_rollout_jvp(m, *motion, motion[1], *motion[1:3], geometry=np.zeros((m.n_bodies, 6)))
 
 
 def test_shapes_that_do_not_exist_are_refused():
