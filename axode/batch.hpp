@@ -83,9 +83,9 @@ struct DriveMotions {
 ///
 /// Drives with states (motors, controllers, ...) need double precision, and motions with them are computed
 /// one at a time. If dry friction or losses of gears act too, such motions must start at t = 0. A step is
-/// divided where a drive changes to another branch of its law and where an input jumps. For the same forces
-/// and times the motions are those of simulate_fixed() to the last bit. A step allocates memory only if there
-/// is dry friction.
+/// divided where the law of a drive changes its form, for example at a limit, and where an input jumps. For
+/// the same forces and times the motions are those of simulate_fixed() to the last bit. A step allocates
+/// memory only if there is dry friction.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,

@@ -22,10 +22,11 @@ struct ContractionPlan {
   std::vector<double> least_pivot;  ///< n_screws: a segment may be singular if a pivot is not larger
   int rounds = 0, compressions = 0;
 
-  /// Makes a plan for a tree without coupled joints. Nodes are compressed in the first `most_rounds` rounds
-  /// only; with 0 rounds the plan is the articulated-body algorithm. If the inertia of a node does not
-  /// determine the accelerations of the joint above it, for example because a body is massless, the node is
-  /// compressed with the node above it only after others have been joined to it.
+  /// Makes a plan for a tree without coupled joints. Nodes (bodies or chains of bodies) with one child are
+  /// joined to others in the first `most_rounds` rounds only; with 0 rounds the plan is the articulated-body
+  /// algorithm. If the inertia of a node does not determine the accelerations of the joint above it, for
+  /// example because a body is massless, the node is joined to the one above it only after others have been
+  /// joined to it.
   explicit ContractionPlan(const Tree<double>& tree, int most_rounds = std::numeric_limits<int>::max());
 };
 

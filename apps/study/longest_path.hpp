@@ -10,8 +10,8 @@ namespace axode::command {
 
 /// Counts the operations on the critical path of a tree contraction, a parallel algorithm, if there is one
 /// processor for each body and communication costs nothing. A step begins when its inputs are complete, and a
-/// sweep over the tree begins when the sweep before it is complete. If several nodes are added to one, they
-/// are added in pairs.
+/// sweep over the tree begins when the sweep before it is complete. If several bodies or chains of bodies are
+/// added to one, they are added in pairs.
 class LongestPath {
  public:
   explicit LongestPath(int n) : ready_(static_cast<std::size_t>(n + 1)), added_(ready_.size()) {}

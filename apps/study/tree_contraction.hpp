@@ -48,8 +48,8 @@ template <class T> class TreeContraction {
 
   const ContractionPlan& plan() const { return plan_; }
 
-  /// Writes the accelerations (nv) to `a`. Returns false if a pivot is so small that the mass matrix, or the
-  /// inertia of a segment, may be singular.
+  /// Writes the accelerations (nv) to `a`. Returns false if a pivot of the elimination is so small that the
+  /// mass matrix, or the inertia of a part of the tree, may be singular.
   template <class Schedule = OneByOne>
   bool run(const Tree<T>& tree, const T* q, const T* v, const T* tau, T* a, Schedule&& schedule = {},
            SpatialOrigin origin = SpatialOrigin::of_roots) {

@@ -107,8 +107,9 @@ template <class T, class Add> class DifferentiateSpring {
     return segment;
   }
   /// The derivative of column k, the vector r_k by which a unit of velocity k changes the vector between the
-  /// ends of a segment, along direction j. If both velocities move the same end, with the angular velocities
-  /// w_k and w_j, it is w_j × r_k or, if j is farther from the ground, w_k × r_j; otherwise 0.
+  /// ends of a straight segment of a spring, along direction j. If both velocities move the same end, with
+  /// the angular velocities w_k and w_j, it is w_j × r_k or, if j is farther from the ground, w_k × r_j;
+  /// otherwise 0.
   static Vec3<T> bent(const Column& j, const Column& k) {
     if (j.end != k.end) return {};
     return j.body <= k.body ? cross(j.X.w, k.X.v) : cross(k.X.w, j.X.v);
@@ -129,8 +130,8 @@ template <class T, class Add> class DifferentiateSpring {
       columns_.add(j.c, l_j, dot(at.u, turn) + inverse * (dot(at.dr, j.X.v) - at.rate * l_j));
     }
   }
-  /// Adds -F ∂²x/∂q² of one segment to the derivatives of the generalised forces; x is its length and F the
-  /// tension. `slope` is the limit of F/x for a segment without length.
+  /// Adds -F ∂²x/∂q² of one straight segment of a spring to the derivatives of the generalised forces; x is
+  /// its length and F the tension. `slope` is the limit of F/x for a segment without length.
   void add_curvature(const Segment<T>& at, const T& F, const T& slope) const noexcept {
     const T string = at.length == T(0) ? slope : F / at.length;
     for (const Column& j : columns_.all()) {

@@ -57,10 +57,11 @@ class DriveLaw {
   virtual double margin(std::size_t, const DrivePoint<double>&, std::span<const int>) const noexcept {
     return 1;
   }
-  /// The margin of a status, which becomes negative when the status must change, with its derivative along
-  /// the direction in `DrivePoint<Dual>`. Sensitivities of a motion need the derivative, because the time of
-  /// the change depends on the state. A law that does not override it has the derivative 0; its changes then
-  /// count as changes at fixed times.
+  /// The margin of a status, the number that says which form of the law holds. The margin becomes negative
+  /// when the status must change. It is computed with its derivative along the direction in
+  /// `DrivePoint<Dual>`. Sensitivities of a motion need the derivative, because the time of the change
+  /// depends on the state. A law that does not override it has the derivative 0; its changes then count as
+  /// changes at fixed times.
   virtual Dual margin(std::size_t, const DrivePoint<Dual>&, std::span<const int>) const noexcept { return 1; }
   /// Changes status k after its margin has become negative. The states x may jump at this change.
   virtual void change(std::size_t, const DrivePoint<double>&, Statuses, std::span<double>) const noexcept {}

@@ -30,14 +30,15 @@ struct DriveDerivatives {
 
 /// Derivatives of the least margin of the statuses of the drives: by q along the left-trivialised directions,
 /// by v, by the states x of the drives, and by the inputs that are functions of time. A status is a number
-/// that selects a branch of a drive's law; it changes when its margin becomes negative.
+/// that says which form of a drive's law holds, such as whether a limit is reached; it changes when its
+/// margin becomes negative.
 struct MarginDerivatives {
   Eigen::RowVectorXd q, v, x, u;
 };
 
-/// All drives of a mechanism with their laws, inputs and statuses, the integers that select branches of the
-/// laws. The input of a drive may be the output of another one. The states x of all drives are one vector of
-/// nx() numbers. An object serves one thread.
+/// All drives of a mechanism with their laws, inputs and statuses, the integers that say which form of each
+/// law holds, such as whether a limit is reached. The input of a drive may be the output of another one. The
+/// states x of all drives are one vector of nx() numbers. An object serves one thread.
 class DriveSystem {
  public:
   using Span = std::span<const double>;
@@ -59,7 +60,8 @@ class DriveSystem {
   Eigen::VectorXd input_rates(double t) const;
 
   /// Starts the drives at time t and state (q, v): sets the inputs to their values just after t, writes the
-  /// initial states x (nx() numbers), and chooses the statuses.
+  /// initial states x (nx() numbers), and chooses the statuses, the integers that say which form of each
+  /// drive's law holds.
   void start(double t, Span q, Span v, std::span<double> x);
   /// Sets the inputs to their values just after time t, and chooses the statuses for the state (q, v, x).
   void set_state(double t, Span q, Span v, Span x);
@@ -88,8 +90,9 @@ class DriveSystem {
   /// Computes the derivatives of the least margin; there must be statuses. Allocates.
   MarginDerivatives margin_derivatives(double t, Span q, Span v, Span x);
   /// Applies the discontinuous changes of the drives at time t and state (q, v, x). Inputs that jump at t
-  /// take their values after the jump. A status, which selects the branch of a drive's law, changes if its
-  /// margin is negative; states in x may jump then. Returns whether an input or a status has changed.
+  /// take their values after the jump. A status, the integer that says which form of a drive's law holds,
+  /// changes if its margin is negative; states in x may jump then. Returns whether an input or a status has
+  /// changed.
   bool switch_at(double t, Span q, Span v, std::span<double> x);
   /// The discrete state of the drives, which switch_at() changes: statuses and the present intervals of
   /// inputs. discrete() writes it to `out`, and set_discrete() restores it.

@@ -17,8 +17,8 @@ namespace {
 constexpr double rounding = 1e-13;
 /// A small number, relative to the compliance (the acceleration of a joint for a unit force on it), that is
 /// added to the diagonal of the equations of sticking joints, because in loops these may be singular.
-/// Iterative refinement removes its effect on the accelerations. A pivot below this part of the compliance
-/// counts as 0 when the uniqueness of the friction forces is tested.
+/// Iterative refinement removes its effect on the accelerations. A pivot of the test of uniqueness of the
+/// friction forces counts as 0 below this part of the compliance.
 constexpr double regularisation = 1e-12;
 
 }  // namespace

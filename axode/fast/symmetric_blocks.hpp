@@ -32,8 +32,8 @@ template <class T>
 [[gnu::always_inline]] inline void store_row(const typename Lanes<T>::Number& x, int i, int j, int n, T* to) {
   if (i < n) Lanes<T>::store(x, to, (n - i) * n - j);
 }
-/// Stores the rows of a block in rows i, i + 1, ... of M (n × n) from column j on. Lanes beyond the end of a
-/// row spill into the next one.
+/// Stores a square block, whose rows are in SIMD registers, in rows i, i + 1, ... of a matrix M (n × n) from
+/// column j on. What a register has beyond the end of a row spills into the next row.
 template <class T>
 [[gnu::always_inline]] inline void store(const SquareBlock<T>& block, int i, int j, int n, T* M) {
   T* const to = M + static_cast<std::ptrdiff_t>(i) * n + j;

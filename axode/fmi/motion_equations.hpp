@@ -62,8 +62,9 @@ class MotionEquations {
   }
 
   /// Corrects a state at the start: normalises quaternions, closes loops and follows prescribed motions at
-  /// the time in `at`, by changes of q and v. Then chooses the statuses of the drives and of dry friction.
-  /// Throws std::runtime_error if the loops cannot be closed, and NoRates.
+  /// the time in `at`, by changes of q and v. Then determines the discrete state: which form of the law of
+  /// each drive holds, and which joints stick or slide. Throws std::runtime_error if the loops cannot be
+  /// closed, and NoRates.
   void start(Point& at);
   /// Finds out which plays (backlash of couplings) and hard stops are at an end when a motion starts. Those
   /// that move against their end have an impact, which changes v. Throws std::invalid_argument for a play or
@@ -93,8 +94,8 @@ class MotionEquations {
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
   /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches). They are exact
-  /// as long as drives, dry friction and plays (backlash of couplings) keep their present statuses, but do
-  /// not contain losses of gears.
+  /// as long as no drive changes the form of its law, no joint begins to stick or slide and no play (backlash
+  /// of a coupling) opens or closes, but do not contain losses of gears.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);

@@ -102,9 +102,9 @@ class DryFriction {
     Gear gear = {};     ///< without losses if the joint has no such gear
     double slope = 0;   ///< derivative of the loss of a moving gear by the force that it transmits
 
-    /// Computes `margin` from the present friction force: positive while friction holds the velocity. `bound`
-    /// is the limit of the friction force, a the remaining acceleration, which counts as sliding if |a| is
-    /// above `tolerance`, and `own` the acceleration by a unit force.
+    /// Computes the member `margin`, which is positive while friction holds the joint, from the present
+    /// friction force. `bound` is the limit of the friction force, a the remaining acceleration, which counts
+    /// as sliding if |a| is above `tolerance`, and `own` the acceleration by a unit force.
     void set_margin(double bound, double a, double tolerance, double own) {
       margin = bound - std::abs(force) + (2 * tolerance - std::abs(a)) / own;
     }

@@ -136,10 +136,10 @@ class AdjointStep {
     stage.v.assign(v_i.begin(), v_i.end());
     return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), springs_.forces(q_i, v_i, tau), loads_);
   }
-  /// Backward differentiation of the accelerations of one stage: from the gradient w_L of the objective by
-  /// the accelerations, computes the gradients w_eta_ and w_V_ by the configuration and the velocity of the
-  /// stage. Adds the gradients by drive forces and by geometric parameters, which displace subtrees along
-  /// unit screws.
+  /// Backward differentiation of the accelerations of one stage of the Runge-Kutta method: from the gradient
+  /// w_L of the objective by the accelerations, computes the gradients w_eta_ and w_V_ by the configuration
+  /// and the velocity of the stage. Adds the gradients by drive forces and by geometric parameters, which
+  /// displace subtrees along unit screws.
   void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
     dynamics.compute_gradient(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);

@@ -26,7 +26,8 @@ struct StepDerivatives {
   std::span<double> q, v, A, B;
 };
 /// Computes one step of length `step` (s) from the state (q, v) under the drive forces tau, and its
-/// derivatives. Each stage takes O(n²) and products of nv × nv with nv × 3nv matrices; allocates.
+/// derivatives. Each stage of the method takes O(n²) and products of nv × nv with nv × 3nv matrices;
+/// allocates.
 Solvability step_derivatives(const Model& model, Workspace<double>& workspace, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              const StepDerivatives& end, const Loads<double>& loads = {},

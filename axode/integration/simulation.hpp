@@ -27,9 +27,10 @@ enum class Coordinates {
   absolute_SO3xR3,  ///< poses of bodies in SO(3) × R³; joints and loops are constraints
 };
 
-/// Options of a simulation. Couplings with play act in simulate(), simulate_fixed() and simulate_stiff(), in
-/// relative coordinates: a step ends where a play reaches or leaves one of its ends. With the other methods,
-/// or with joint_losses and joints with dry friction or gears with losses, they throw std::invalid_argument.
+/// Options of a simulation. Couplings with play (backlash) act in simulate(), simulate_fixed() and
+/// simulate_stiff(), in relative coordinates: a step ends where a play reaches or leaves one of its ends.
+/// With the other methods, or with joint_losses and joints with dry friction or gears with losses, they throw
+/// std::invalid_argument.
 struct SimulationOptions {
   Coordinates coordinates = Coordinates::relative;
   /// The local coordinates of a step. Cayley coordinates are allowed in relative coordinates for all methods
@@ -49,9 +50,9 @@ struct SimulationOptions {
   /// cannot be followed ends the trajectory.
   std::vector<PrescribedMotion> motions = {};
   /// Drives with states, in addition to those of the model. Steps end where an input jumps, and with methods
-  /// whose steps can be shortened also where a drive changes to another branch of its law; with the others
-  /// (simulate_symplectic(), simulate_momenta(), simulate_rattle(), simulate_half_explicit(), and
-  /// simulate_stiff() in absolute coordinates) a drive changes at the end of the step.
+  /// whose steps can be shortened also where the law of a drive changes its form, for example at a limit;
+  /// with the others (simulate_symplectic(), simulate_momenta(), simulate_rattle(), simulate_half_explicit(),
+  /// and simulate_stiff() in absolute coordinates) a drive changes at the end of the step.
   std::vector<AddedDrive> drives = {};
   /// The states of all drives at the start, in the order of the drives; if empty, chosen by the drives.
   std::vector<double> x = {};

@@ -63,8 +63,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     return eliminate_joints(tree, armature);
   }
   /// Factorises the mass matrix at the configuration for which `links` was computed. Calls check.add(c, D,
-  /// scale) for each velocity c with its pivot D; scale() returns the magnitude of the numbers from which D
-  /// was computed.
+  /// scale) for each velocity c with its pivot D, the inertia that remains when it is eliminated; scale()
+  /// returns the magnitude of the numbers from which D was computed.
   template <TreeOf<T> AnyTree, class Check>
   void factorize(const AnyTree& tree, const T* armature, Check& check) noexcept {
     put_screws_and_inertias(tree);
@@ -76,7 +76,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int i = 1; i <= tree->n; ++i) M_body[i] = links.link[i].inertia(tree.M[i]);
   }
   /// Factorises the mass matrix from the joint screws S and the rigid inertias `M_body`. Rounding errors of
-  /// pivots are estimated only if a pivot is small or the tree has coupled joints.
+  /// pivots (the inertias that remain when velocities are eliminated) are estimated only if a pivot is small
+  /// or the tree has coupled joints.
   template <TreeOf<T> AnyTree> Solvability eliminate_joints(const AnyTree& tree, const T* armature) noexcept {
     if (tree->coupled_bodies.empty() && eliminate_fast(tree, armature)) return {};
     PivotCheck<T> check;
@@ -84,8 +85,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     return check.verdict(*tree.operator->());
   }
   /// Factorises the mass matrix from the joint screws S and the rigid inertias `M_body`, and estimates the
-  /// rounding error of every pivot. Calls check.add(c, D, scale) for each velocity c with its pivot D;
-  /// scale() returns the magnitude of the numbers from which D was computed.
+  /// rounding error of every pivot. Calls check.add(c, D, scale) for each velocity c with its pivot D, the
+  /// inertia that remains when it is eliminated; scale() returns the magnitude of the numbers from which D
+  /// was computed.
   template <TreeOf<T> AnyTree, class Check>
   void eliminate_joints(const AnyTree& tree, const T* armature, Check& check) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -307,7 +309,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
   /// Eliminates the velocity of screw S = S[s] of body i from its articulated inertia M, and from the columns
   /// of the shared velocities of coupled joints (ties). F has the magnitudes of the numbers from which M was
-  /// computed; G is F S, and `size` is the magnitude of the numbers from which the pivot D was computed.
+  /// computed, against which rounding errors are compared; G is F S, and `size` is the magnitude of the
+  /// numbers from which the pivot D was computed.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;

@@ -23,9 +23,10 @@ struct Precision {
 /// HEAD, TYPE and TAIL for the texts `head`, `type` and `tail`.
 std::string c_declaration(const Recording& recording, const std::string& head, const std::string& type,
                           const std::string& tail);
-/// Makes the declaration of a recorded function NAME in C: `void NAME(const double *AXODE_RESTRICT q, ...,
-/// double *AXODE_RESTRICT tauTAIL)`, where TAIL is the text `tail`. The return type is int if the function
-/// reports that the mass matrix may be singular. In single precision, float replaces double.
+/// Makes the declaration of a recorded function (a list of operations) with the name NAME in C: `void
+/// NAME(const double *AXODE_RESTRICT q, ..., double *AXODE_RESTRICT tauTAIL)`, where TAIL is the text `tail`.
+/// The return type is int if the function reports that the mass matrix may be singular. In single precision,
+/// float replaces double.
 std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision,
                         const std::string& tail = "");
 
@@ -33,16 +34,17 @@ struct Definition {
   std::string text;
   int scratch = 0;  ///< length of the array of numbers that the parts of the function exchange
 };
-/// Writes the definition of a recorded function in C for one state. `sine_cosine` is the name of the function
-/// that computes sines and cosines of n angles at once. A long function is cut into parts, so that compilers
-/// take time in proportion to its length. Parts pass numbers to later parts in an array.
+/// Writes the definition of a recorded function (a list of operations) in C for one state. `sine_cosine` is
+/// the name of the function that computes sines and cosines of n angles at once. A long function is cut into
+/// parts, so that compilers take time in proportion to its length. Parts pass numbers to later parts in an
+/// array.
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision);
-/// Writes the definition of a recorded function in C that computes several states at once, one in each lane
-/// of a vector (the types axode_lanes and axode_mask of the generated code). `sine_cosine` with `_lanes`
-/// added is the name of the function for sines and cosines. The function is `static`, returns a mask of the
-/// lanes whose mass matrix may be singular if the recording reports them, and has as last argument the array
-/// of numbers that its parts exchange.
+/// Writes the definition of a recorded function (a list of operations) in C that computes several states at
+/// once, one in each lane of a vector (the types axode_lanes and axode_mask of the generated code).
+/// `sine_cosine` with `_lanes` added is the name of the function for sines and cosines. The function is
+/// `static`, returns a mask of the lanes whose mass matrix may be singular if the recording reports them, and
+/// has as last argument the array of numbers that its parts exchange.
 Definition lanes_definition(const Recording& recording, const std::string& name,
                             const std::string& sine_cosine, const Precision& precision);
 

@@ -41,9 +41,9 @@ std::string transposition(int n) {
   }
   return text;
 }
-/// Makes C code that transposes contiguous states to lanes or back. Number k of state l is memory[l * n + k].
-/// Numbers are transposed in blocks of as many numbers as there are lanes; if n is not a multiple of the
-/// number of lanes, the last block overlaps the one before.
+/// Makes C code that moves the numbers of contiguous states to SIMD registers, with one state in each lane,
+/// or back. Number k of state l is memory[l * n + k]. Numbers are transposed in blocks of as many numbers as
+/// there are lanes; if n is not a multiple of the number of lanes, the last block overlaps the one before.
 std::string transposed(int n, const char* load, const char* store, const char* one_by_one) {
   const auto each = [&](const char* statement) {
     return repeated(n, [&](int l) {

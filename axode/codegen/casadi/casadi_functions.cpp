@@ -160,8 +160,8 @@ class Accelerations {
   std::vector<Recording> solutions_;
 };
 
-/// Removes the results that are always 0 from a recording. Returns the new index of each result, or -1 for a
-/// removed one.
+/// Removes the results that are always 0 from a recording (a list of operations). Returns the new index of
+/// each result, or -1 for a removed one.
 std::vector<int> keep_nonzeros(Recording& recording) {
   std::vector<int> places;
   Traces kept;
@@ -180,8 +180,8 @@ Pattern dense(int rows, int columns) {
   return pattern;
 }
 
-/// Makes an output matrix from the results of a recording. result(r, c) must return the index of the result
-/// that is entry (r, c), or a negative number for an entry that is always 0.
+/// Makes an output matrix from the results of a recording (a list of operations). result(r, c) must return
+/// the index of the result that is entry (r, c), or a negative number for an entry that is always 0.
 template <class Result>
 CasadiOutput output(std::string name, int rows, int columns, std::size_t recording, const Result& result) {
   CasadiOutput out{std::move(name), {rows, columns}, recording};
@@ -195,7 +195,8 @@ CasadiOutput output(std::string name, int rows, int columns, std::size_t recordi
 }
 
 /// The matrices in which CasADi receives the results of a function. Results that are always 0 are removed
-/// from the recording `value`, and if the results are poses, the constant 1 for their last rows is appended.
+/// from the list of operations by which the function is recorded, and if the results are poses, the constant
+/// 1 for their last rows is appended.
 std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
                                    std::span<const std::string> frames, Recording& value) {
   const int nv = model.nv();

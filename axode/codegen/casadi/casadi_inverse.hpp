@@ -19,10 +19,10 @@ class CasadiInverse {
   enum Kind : std::size_t { tangent, adjoint, jacobian };
   static constexpr std::size_t kinds = 3;
 
-  /// The recording of a derivative of the mass matrix M: along a direction (nv x nv numbers), or by each
-  /// coordinate q_k (nq times nv x nv numbers), or the gradient by q of B·M, where B has a weight for each
-  /// entry of M (nq numbers). Only numbers that can differ from 0 are recorded. `places` are their indices
-  /// among all numbers of the derivative.
+  /// The recording (list of operations) of a derivative of the mass matrix M: along a direction (nv x nv
+  /// numbers), or by each coordinate q_k (nq times nv x nv numbers), or the gradient by q of B·M, where B has
+  /// a weight for each entry of M (nq numbers). Only numbers that can differ from 0 are recorded. `places`
+  /// are their indices among all numbers of the derivative.
   struct Part {
     Recording recording;
     std::vector<int> places;
@@ -35,8 +35,8 @@ class CasadiInverse {
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// A stand-in for the recording of a derivative of A = M⁻¹, which describes only its arguments and its
-  /// sparsity: it has the names of the arguments, and each result is the constant 0 if it is always 0,
+  /// A description of a derivative of A = M⁻¹, with the mass matrix M, in the form of a recording (a list of
+  /// operations). It has the names of the arguments, and each result is the constant 0 if it is always 0,
   /// otherwise 1.
   Recording signature(Kind kind) const;
   /// The operations that a derivative of A takes in addition to the computation of A.

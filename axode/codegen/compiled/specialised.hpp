@@ -35,8 +35,8 @@ class CompilationEnded : public std::runtime_error {
 template <class T = double> class Specialised {
  public:
   /// Compiles the given functions. Throws std::invalid_argument for wrong names or functions, for the
-  /// function `pose`, and if `lanes` is not 1, 2, 4, 8 or 16, and std::runtime_error if there is no compiler
-  /// or it fails.
+  /// function `pose`, and if `lanes`, the number of states that are computed at once, is not 1, 2, 4, 8 or
+  /// 16, and std::runtime_error if there is no compiler or it fails.
   Specialised(const Model& model, std::span<const codegen::Function> functions,
               SpecialisedOptions options = {});
   Specialised(const Model& model, std::initializer_list<codegen::Function> functions,

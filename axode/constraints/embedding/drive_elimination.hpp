@@ -43,9 +43,9 @@ template <class T> class AXODE_ENTRY DriveElimination {
   bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
-  /// Computes the multipliers of those loop equations of each limb that are left over after the elimination
-  /// of the limb's velocities. `nu` has the multipliers of the equations that are left over after the
-  /// elimination of the platform's velocities; it is overwritten.
+  /// Computes the multipliers of those loop equations of each limb (a chain that carries the platform) that
+  /// are left over after the elimination of the limb's velocities. `nu` has the multipliers of the equations
+  /// that are left over after the elimination of the platform's velocities; it is overwritten.
   void set_remaining(T* nu) noexcept;
   /// Subtracts from `forces` (nv), at the velocities with drives, the constraint forces of all loop
   /// equations, or only of those that remain after the eliminations. Returns the largest magnitude of a

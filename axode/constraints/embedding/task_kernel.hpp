@@ -88,8 +88,9 @@ class TaskKernel {
   /// velocities.
   int sort(const RowElimination<double>& matrix, std::vector<int>& velocities);
   void number_columns(const std::vector<int>& velocities);
-  /// Fill the matrix of a limb, or of the platform's joint, with its loop equations and eliminate the
-  /// velocities that follow from the others. Both return whether the rank is certain.
+  /// Fill the matrix of a limb (a chain that carries the platform), or of the platform's joint, with its loop
+  /// equations and eliminate the velocities that follow from the others. Both return whether the rank is
+  /// certain.
   bool eliminate(Part& part) noexcept;
   bool eliminate_constraints() noexcept;
   /// Computes N for the independent carrying velocities as task velocities, N_c of (D18.4).

@@ -43,11 +43,12 @@ struct TaskEquations {
   Eigen::VectorXd c;        ///< nv numbers: the accelerations for V' = 0
 };
 
-/// A parallel manipulator in its task space: limbs carry a platform, and the velocities of each limb follow
-/// from the motion of the platform independently of the other limbs. The task velocities V are components of
-/// the body-fixed twist of the platform, as many as it has freedoms, followed by joint velocities that the
-/// platform does not determine, such as the spin of a rod between two balls. Without a platform all task
-/// velocities are joint velocities. See (D18.1) to (D18.6) of docs/derivations/constraint-embedding.md.
+/// A parallel manipulator in its task space: chains of bodies, the limbs, carry a body called the platform,
+/// and the velocities of each limb follow from the motion of the platform independently of the other limbs.
+/// The task velocities V are components of the body-fixed twist of the platform, as many as it has freedoms,
+/// followed by joint velocities that the platform does not determine, such as the spin of a rod between two
+/// balls. Without a platform all task velocities are joint velocities. See (D18.1) to (D18.6) of
+/// docs/derivations/constraint-embedding.md.
 ///
 /// A TaskSpace has the scratch memory of one thread; only equations() allocates. Configurations q must close
 /// the loops, and velocities v must keep them closed. Costs are O(limbs) for limbs of bounded size.

@@ -136,9 +136,9 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
     }
 }
 
-/// Computes the limit, for h → 0, of a difference quotient on a branch of the configuration space, by
-/// Romberg's method. difference(a, b, h) is called with two points a and b of the branch, whose coordinates
-/// in the tangent space are h c and -h c for a fixed vector c, for several h.
+/// Computes the limit, for h → 0, of a difference quotient on a branch, a smooth set of configurations with
+/// closed loops, by Romberg's method. difference(a, b, h) is called with two points a and b of the branch,
+/// whose coordinates in the tangent space are h c and -h c for a fixed vector c, for several h.
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {

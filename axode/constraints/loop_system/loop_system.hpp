@@ -187,10 +187,10 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// A is the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
   /// How near the loop equations A v = 0 are to being dependent, as the last solution for their multipliers
-  /// found. M is the mass matrix. It is 1 if no pivot of the matrix A M⁻¹ Aᵀ was small. Otherwise it is the
-  /// least pivot, each divided by the diagonal entry of the matrix in its row. If it is near 0, the
-  /// configuration is nearly singular, and the accelerations are those of a mechanism with more degrees of
-  /// freedom.
+  /// found. M is the mass matrix. It is 1 if no pivot was small in the factorisation of the matrix A M⁻¹ Aᵀ.
+  /// Otherwise it is the least pivot, each divided by the diagonal entry of the matrix in its row. If it is
+  /// near 0, the configuration is nearly singular, and the accelerations are those of a mechanism with more
+  /// degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -238,8 +238,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
     return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
   /// Computes accelerations and multipliers with fast articulated bodies. Returns false, without results, if
-  /// the model has couplings or coupled joints, if a pivot is too small, or if all equations of a loop are
-  /// close to 0.
+  /// the model has couplings or coupled joints, if a pivot of the mass matrix is too small, or if all
+  /// equations of a loop are close to 0.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).

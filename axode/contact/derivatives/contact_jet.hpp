@@ -42,7 +42,7 @@ class ContactJets {
   /// The names of the two shapes of a contact, as text for messages.
   std::string names(std::uint64_t key) const;
   /// Forgets the points of the last pair of shapes. It must be called before find() is called with other
-  /// poses or another margin.
+  /// poses or another limit of the gap.
   void restart() noexcept { i_ = -1; }
 
  private:

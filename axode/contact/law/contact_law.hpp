@@ -35,26 +35,26 @@ enum class LawBranch {
   slide,  ///< the impulse is on the boundary of its cone or bound
 };
 
-/// Computes λ = resolve(z), the resolvent of the law of a block (D11.2), with which impulses λ and velocities
-/// u obey the law if and only if λ = resolve(λ - u/R), for any number R > 0. z and λ have an entry for each
-/// row of the block.
+/// Computes λ = resolve(z), the resolvent of the law of a block of constraint rows, such as the rows of one
+/// contact (D11.2), with which impulses λ and velocities u obey the law if and only if λ = resolve(λ - u/R),
+/// for any number R > 0. z and λ have an entry for each row of the block.
 void resolve(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 template <int rows> using LawMatrix = Eigen::Matrix<double, rows, rows>;
 
-/// Computes the derivative Z at a trial impulse z of resolve(), which maps z to the impulse that the law
-/// allows (D11.3). Returns the branch (stick, slide or open) at z. Z is 0 if the block is open or if dry
-/// friction of a joint slides, and 1 if the block sticks. If a contact slides, Z is not symmetric. `rows`
-/// must be the number of rows of the block.
+/// Computes, for a block of constraint rows such as the rows of one contact, the derivative Z of resolve(),
+/// which maps a trial impulse z to the impulse that the law allows (D11.3). Returns the branch (stick, slide
+/// or open) at z. Z is 0 if the block is open or if dry friction of a joint slides, and 1 if the block
+/// sticks. If a contact slides, Z is not symmetric. `rows` must be the number of rows of the block.
 template <int rows>
 LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>& Z) noexcept;
 
 /// The branch of the law of a block at the trial impulse z.
 LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
-/// Projects the trial impulse z for a convex approximation of the law, in which contacts separate when they
-/// slide. For a contact this is the projection on the friction cone; for all other blocks it is the impulse
-/// that the exact law allows.
+/// Projects the trial impulse z of a block of constraint rows for a convex approximation of the law, in which
+/// contacts separate when they slide. For a contact this is the projection on the friction cone; for all
+/// other blocks it is the impulse that the exact law allows.
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 /// Calls f with the number of rows of a block as a compile-time constant.

@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// Factorises a dense matrix in place by Gauss' elimination with row pivots, in blocks of columns. After
-/// reserve() nothing is allocated for matrices up to that size, except in products of large blocks.
+/// Factorises a dense matrix in place by Gauss' elimination with row pivots, in blocks of columns. Nothing is
+/// allocated for matrices up to the size for which memory was reserved, except in products of large blocks.
 class DenseFactor {
  public:
   using Matrix = Eigen::MatrixXd;

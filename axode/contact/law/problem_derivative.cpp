@@ -12,8 +12,9 @@ constexpr double rank_part = 1e-11;
 constexpr double same_motion = 1e-7;
 constexpr double kink_part = 1e-10;
 
-/// Whether the trial impulse z of a block is within rounding of the boundary between two branches of its law,
-/// such as stick and slide. `size` is the magnitude of the impulses.
+/// Whether a contact, stop or joint with friction (a block of constraint rows) is within rounding of the
+/// boundary between two branches of its law, such as stick and slide. z is its trial impulse, from which the
+/// law determines the impulse. `size` is the magnitude of the impulses.
 bool near_kink(const LawBlock& b, const double* z, double size) {
   const double tiny = kink_part * size;
   if (b.law == ContactLaw::loop) return false;

@@ -10,8 +10,8 @@ struct ProblemDerivative {
   /// Whether the motion has a derivative. It may have none if contacts that share a load slide, or if the
   /// prescribed velocities r of redundant contacts change in contradictory ways.
   bool unique = true;
-  /// Whether a block of rows is within rounding of the boundary between two branches of its law, such as
-  /// stick and slide. The derivative is then that of the branch that was taken.
+  /// Whether a contact, stop or joint with friction is within rounding of the boundary between two branches
+  /// of its law, such as stick and slide. The derivative is then that of the branch that was taken.
   bool at_kink = false;
 };
 

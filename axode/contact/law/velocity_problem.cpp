@@ -6,9 +6,9 @@
 
 namespace axode {
 
-/// Calls f for each group of consecutive blocks that move the same velocities. The arguments of f are the
-/// first block of the group, the number of rows of the group, and the number of velocities: a compile-time
-/// constant if this is 6, 9 or 12, otherwise 0.
+/// Calls f for each group of consecutive blocks of constraint rows that act on the same velocities. The
+/// arguments of f are the first block of the group, the number of rows of the group, and the number of
+/// velocities: a compile-time constant if this is 6, 9 or 12, otherwise 0.
 template <class F> void VelocityProblem::each_group(const F& f) const noexcept {
   for (std::size_t k = 0; k < blocks_.size();) {
     const Block& first = blocks_[k];

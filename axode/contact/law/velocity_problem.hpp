@@ -34,7 +34,7 @@ class VelocityProblem {
 
   /// Allocates memory for `blocks` blocks that have 6 rows each and move all velocities.
   void reserve(std::size_t blocks);
-  /// Removes all blocks of rows. Sets the number of compliant contacts, each of which adds an unknown
+  /// Removes all constraint rows. Sets the number of compliant contacts, each of which adds an unknown
   /// velocity to those of the mechanism (D11.26).
   void clear(int compliances = 0);
   /// Appends a block of rows to the problem. The block moves the velocities `support`, in ascending order;

@@ -37,11 +37,11 @@ class VelocitySolver {
   /// If it returns false, the search ends. May be empty.
   using Monitor = std::function<bool()>;
 
-  /// Improves the multipliers `lambda` of scaled constraint rows from their given values until the
-  /// certificate, the relative error of the laws, is at most `tolerance`, or until rounding prevents
-  /// progress. The solver starts again from other multipliers only while the certificate is above 1e-9 and
-  /// the monitor does not return false. Memory must have been reserved. Allocates nothing, and throws only
-  /// what the monitor throws.
+  /// Improves the multipliers `lambda` of the constraint rows, which are multiplied by the coefficients of
+  /// friction, from their given values until the certificate, the relative error of the laws, is at most
+  /// `tolerance`, or until rounding prevents progress. The solver starts again from other multipliers only
+  /// while the certificate is above 1e-9 and the monitor does not return false. Memory must have been
+  /// reserved. Allocates nothing, and throws only what the monitor throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 

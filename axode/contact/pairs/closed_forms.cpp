@@ -14,8 +14,9 @@ namespace axode {
 
 namespace {
 
-/// Adds the vertices of a hull that are within the margin of a plane. If there are more than 16, only the
-/// deepest one and those that are farthest along eight directions in the plane are added.
+/// Adds the vertices of a hull whose distance from a plane is less than the margin of the list `out`. If
+/// there are more than 16, only the deepest one and those that are farthest along eight directions in the
+/// plane are added.
 template <class T>
 void touch_plane_by_hull(const SE3<T>& plane, const Hull& hull, const SE3<T>& pose,
                          PointList<T>& out) noexcept {

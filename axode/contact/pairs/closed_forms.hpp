@@ -9,9 +9,9 @@ namespace axode {
 
 /// Contact points of a plane, which bounds a half-space, with any other shape. The points are on the surface
 /// of the other shape: the lowest point of a sphere or an ellipsoid; the lowest points of both half balls of
-/// a capsule; the vertices of a box or a hull. If more than 16 vertices of a hull are within the margin, only
-/// the deepest one and the outermost ones in eight directions are taken. A cylinder has four points on each
-/// rim: the lowest one, and three more a quarter of a turn apart.
+/// a capsule; the vertices of a box or a hull. If more than 16 vertices of a hull are near enough, only the
+/// deepest one and the outermost ones in eight directions are taken. A cylinder has four points on each rim:
+/// the lowest one, and three more a quarter of a turn apart.
 template <class T>
 void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& pose,
                  PointList<T>& out) noexcept;

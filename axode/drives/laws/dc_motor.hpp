@@ -19,9 +19,9 @@ struct DcMotor {
   double alpha = 0;           ///< temperature coefficient of the resistance, 1/K
   double T_a = 25, T_0 = 25;  ///< ambient temperature, and the one at which R is given, degC
 
-  /// How the current is controlled. The status of the current is one of these numbers, with the sign of the
-  /// current. The current is free, or the amplifier holds it at the limit i_max, or it is above i_max because
-  /// the voltage of the amplifier is too small to hold it there.
+  /// How the current of the motor is controlled. The current is free, or the amplifier holds it at the limit
+  /// i_max, or it is above i_max because the voltage of the amplifier is too small to hold it there. These
+  /// numbers, with the sign of the current, are the status of the drive.
   enum Current { free = 0, held = 1, beyond = 2 };
 
   bool has_temperature() const { return std::isfinite(C); }

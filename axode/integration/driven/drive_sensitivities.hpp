@@ -9,12 +9,12 @@
 
 /// Sensitivities of the motion of a mechanism with drives that have states, integrated from time t in K equal
 /// steps as by batch::rollout() under drive forces tau that are constant in each step. They are the exact
-/// derivatives of the numerical method. If a status of a drive changes, they are those of the branches that
-/// are taken, and count that the time of the change depends on the state (D17.20). Laws that depend on the
-/// time other than by their input are differentiated as if such a time did not move them, and jumps of states
-/// at a change as if there were none. Displacements and gradients of q are left-trivialised, along q ⊕ ε dq.
-/// The components of loads are constant in the representation in which they are given. If loads.joint_losses
-/// is set, damping and Coulomb friction act; friction has the derivative 0. Springs, dampers and stops of the
+/// derivatives of the numerical method. If the law of a drive changes its form, for example at a limit, they
+/// take into account that the time of the change depends on the state (D17.20). Laws that depend on the time
+/// other than by their input are differentiated as if such a time did not move them, and jumps of states at a
+/// change as if there were none. Displacements and gradients of q are left-trivialised, along q ⊕ ε dq. The
+/// components of loads are constant in the representation in which they are given. If loads.joint_losses is
+/// set, damping and Coulomb friction act; friction has the derivative 0. Springs, dampers and stops of the
 /// model act.
 ///
 /// If x is empty, the drives choose their initial states, which are then taken as independent of q and v.
@@ -34,7 +34,8 @@ struct DriveRolloutDerivatives {
   std::span<double> q, v, x, A, B, C;
 };
 /// Computes a motion of K steps of length `step` (s) from the state (q, v, x) under K rows of nv drive
-/// forces, and its derivatives. Each stage costs O(n³). If monitor() returns false, the computation ends.
+/// forces, and its derivatives. Each stage of the method costs O(n³) for n = 2nv + nx. If monitor() returns
+/// false, the computation ends.
 Solvability rollout_derivatives_with_drives(const Model& model, const DriveSystem& drives, double t,
                                             std::span<const double> q, std::span<const double> v,
                                             std::span<const double> x, std::span<const double> tau,

@@ -11,8 +11,9 @@
 
 namespace axode {
 
-/// A motion of (q, v) and of the states x of drives by an explicit method. Its steps end where a status of a
-/// drive must change and where an input jumps. After the constructor no memory is allocated.
+/// A motion of (q, v) and of the states x of drives by an explicit method. Its steps end where an input
+/// jumps, and where a status of a drive, the number that says which form of its law holds, must change. After
+/// the constructor no memory is allocated.
 class DriveSteps {
  public:
   using Vector = std::vector<double>;
@@ -49,9 +50,10 @@ class DriveSteps {
       drives_.set_state(t, q, v, x);
   }
 
-  /// Advances the motion to t_1, in several steps if inputs jump or statuses of drives change before.
-  /// rates(t, q, v, x, a, dx) must write accelerations a and rates dx of x and return whether it succeeded;
-  /// close(q, v) must close the loops at the end of a step and return whether they are closed.
+  /// Advances the motion to t_1, in several steps if inputs of drives jump, or the laws of drives change
+  /// their form, before. rates(t, q, v, x, a, dx) must write accelerations a and rates dx of x and return
+  /// whether it succeeded; close(q, v) must close the loops at the end of a step and return whether they are
+  /// closed.
   template <class Rates, class Close> End advance(double t_1, const Rates& rates, const Close& close) {
     while (t_ < t_1) {
       if (const End end = take_step(t_1, rates, close); end != End::none) return end;
@@ -62,10 +64,10 @@ class DriveSteps {
 
   /// The time of the present state.
   double t() const { return t_; }
-  /// Takes one step, to t_1 or to an earlier time at which an input jumps or just after which a status must
-  /// change; neither has been done at its end. rates(t, q, v, x, a, dx) must write accelerations and rates of
-  /// x and return whether it succeeded; close(q, v) must close the loops at the end of the step and return
-  /// whether they are closed.
+  /// Takes one step, to t_1 or to an earlier time at which an input of a drive jumps, or just after the time
+  /// at which a drive must change the form of its law. At the end of the step the input and the law have not
+  /// changed yet. rates(t, q, v, x, a, dx) must write accelerations and rates of x and return whether it
+  /// succeeded; close(q, v) must close the loops at the end of the step and return whether they are closed.
   template <class Rates, class Close> End take_step(double t_1, const Rates& rates, const Close& close) {
     const std::size_t nv = v.size();
     const auto rates_of = [&](double t, Span q_t, Span y_t, std::span<double> dy) {
@@ -101,8 +103,8 @@ class DriveSteps {
     const Span y(at.y);
     return drives_.least_margin(t, at.q, y.first(v.size()), y.subspan(v.size()));
   }
-  /// Shortens the step to t, whose end is after_, if a status must change before: t and after_ are then those
-  /// just after the change.
+  /// Shortens the step to t, at whose end the state is after_, if a drive must change the form of its law
+  /// before: t and after_ are then the time and the state just after the change.
   template <class Attempt> End end_at_switch(double& t, const Attempt& attempt) {
     const double margin_1 = margin(t, after_);
     if (!(margin_1 < 0)) return End::none;

@@ -69,15 +69,15 @@ class ContactPhase {
   double resolution = 0;
   bool any() const { return !closed.empty() || !model_.loops().empty(); }
 
-  /// Computes the accelerations (nv) under the constraints of this phase. Fails if the mass matrix is
+  /// Computes the accelerations (nv) under the constraints that are closed now. Fails if the mass matrix is
   /// singular, if the point of a contact cannot be found or has no formula that can be differentiated, or if
   /// the accelerations are not unique.
   std::string accelerate(const Vector& q, const Vector& v, const Forces& forces, std::span<double> a);
 
   // After accelerate():
-  /// A number that becomes negative when normal forces or friction cannot hold the constraints of the phase
-  /// (D11.31). It is the least distance of the constraint forces from a limit or, if several sets of forces
-  /// give the same accelerations, the largest such distance. It is divided by √(aᵀ M a), with the
+  /// A number that becomes negative when normal forces or friction cannot hold the constraints that are
+  /// closed now (D11.31). It is the least distance of the constraint forces from a limit or, if several sets
+  /// of forces give the same accelerations, the largest such distance. It is divided by √(aᵀ M a), with the
   /// accelerations a that all forces cause and the mass matrix M.
   double reserve();
   /// For each constraint in the list `closed` of contacts, stops and joints with friction: slips() has its

@@ -359,8 +359,9 @@ void ExactContactRun::add_event(const ContactPhase::Impact& it, double t) {
                                        .shortened = it.shortened});
 }
 
-/// Adds events for all constraints that changed from `before` to the present phase: closed, opened, began or
-/// ceased to slide. `met` are the impacts, and `stopped` says which constraints in `before` ceased to slide.
+/// Adds events for all contacts, stops and joints with friction that have changed from `before` to now: that
+/// closed, opened, began or ceased to slide. `met` are the impacts, and `stopped` says which of `before`
+/// ceased to slide.
 void ExactContactRun::note_changes(double t, const std::vector<ClosedConstraint>& before,
                                    const std::vector<ContactPhase::Impact>& met,
                                    const std::vector<char>& stopped) {

@@ -8,8 +8,9 @@
 
 namespace axode {
 
-/// A motion with contact during its integration in smooth phases. Steps end at the events between phases:
-/// impacts, separations, and contacts and joints that begin or cease to slide, see (D11.29) to (D11.35).
+/// A motion with contact during its integration in smooth phases, in each of which the same contacts touch,
+/// stick and slide. Steps end at the events between phases: impacts, separations, and contacts and joints
+/// that begin or cease to slide, see (D11.29) to (D11.35).
 class ExactContactRun : public SimulationRun {
  public:
   /// The options must not ask for joint losses; `losses` says whether dry friction and damping of joints act.
@@ -42,9 +43,10 @@ class ExactContactRun : public SimulationRun {
   Failure take_in_phase(double t_1, StepEnd& end, const Attempt& attempt);
   Failure switch_drives();
   void predict(double t_1, const Marks& at_end);
-  /// Numbers of which one is negative if the phase has ended before t: the least distance of the constraint
-  /// forces from their limits, the sliding velocities, the gaps of the contacts that were known at the start
-  /// of the step, and the least of all new gaps.
+  /// Numbers of which one is negative if a contact, stop or joint with friction has opened, closed, begun or
+  /// ceased to slide before t: the least distance of the constraint forces from their limits, the sliding
+  /// velocities, the gaps of the contacts that were known at the start of the step, and the least of all new
+  /// gaps.
   std::vector<double> entries(double t, const Marks& marks) const;
   /// Shortens a step in which the phase ends to the time t_1 at which it does.
   Failure find_event(double& t_1, StepEnd& end, std::vector<double>& at_high, Marks& marks,

@@ -27,7 +27,8 @@ class ContactRecord {
   void add(const VelocityProblem& problem, std::span<const Contact> contacts, const double* lambda,
            const double* u, double velocity_norm);
   /// Ends a step of length h (s). Impulses are converted to mean forces, and points that received no impulse
-  /// are removed if their gap is above the margin of the shapes.
+  /// are removed if their gap is above the limit (the margin of the shapes) up to which contacts are
+  /// considered.
   void finish(double h);
 
   /// The points of contact and their mean forces after finish(), in ascending order of their keys.

@@ -47,7 +47,7 @@ class ContactStepDerivative {
 
   const std::string& why() const { return why_; }
   /// Whether all derivatives so far exist, and whether a contact, stop or dry friction was within rounding of
-  /// the boundary between two branches of its law.
+  /// the boundary between two branches of its law, such as stick and slide.
   bool unique = true, at_kink = false;
 
  private:
@@ -58,7 +58,8 @@ class ContactStepDerivative {
     Eigen::LLT<Matrix> factor;
   };
   /// A floating base in a substep (a step or a part of one): the velocity u of its centre of mass, which is
-  /// that of its moving frame, and the changes du of u along the directions of differentiation.
+  /// that of the moving frame to which its coordinates are relative, and the changes du of u along the
+  /// directions of differentiation.
   struct Base {
     int body;
     Eigen::Index first;

@@ -100,9 +100,9 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
   return e;
 }
 
-/// Adds the changes of the moving frames of floating bases at a time after the start of the substep: those of
-/// their positions, multiplied by of_place, to dq, and those of their velocities, multiplied by of_velocity,
-/// to dv.
+/// Adds the changes, at a time after the start of a substep (a step or a part of one), of the moving frames
+/// to which the coordinates of floating bases are relative: those of their positions, multiplied by of_place,
+/// to dq, and those of their velocities, multiplied by of_velocity, to dv.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);

@@ -126,7 +126,7 @@ class AbsoluteSimulationRun {
     return {};
   }
   /// Projects the state at the end of a step onto closed joints and loops, and appends it to the trajectory.
-  /// The step ends earlier where a drive changes to another branch of its law.
+  /// The step ends earlier where the law of a drive changes its form, for example at a limit.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
     if (!drives().empty())
       if (Failure failure = end_at_switch(t_1, end, attempt)) return failure;

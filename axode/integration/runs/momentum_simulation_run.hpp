@@ -31,7 +31,7 @@ class MomentumSimulationRun : public SimulationRun {
   }
 
   /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L, at time t and a state
-  /// (q_t, v_t) relative to the moving frames of the floating bases.
+  /// (q_t, v_t) relative to the frames that move with the floating bases.
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     q_t_ = q_t;
     v_t_ = v_t;
@@ -77,8 +77,8 @@ class MomentumSimulationRun : public SimulationRun {
   }
   /// Whether a load or drive acted on a floating base in the last evaluation of forces.
   bool pushes_bases() const { return pushes_bases_; }
-  /// Appends the end of a step, a state (q, p) relative to the moving frames with the states x of the drives,
-  /// to the trajectory.
+  /// Appends the end of a step, a state (q, p) with the states x of the drives, to the trajectory. The
+  /// coordinates and momenta of floating bases are relative to frames that move with them.
   Failure take_momenta(double t, const Vector& q_t, const Vector& p, const Vector& x) {
     Vector q_1 = q_t, v_1, a_1(p.size());
     if (Failure failure = velocity(t, q_t, p, v_1)) return failure;

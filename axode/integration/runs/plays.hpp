@@ -19,8 +19,8 @@ class Plays {
   using Span = std::span<const double>;
   using Events = std::vector<Trajectory::PlayEvent>;
   /// Callback that makes the constraint equations of the motion anew, at the present configuration and time,
-  /// after plays have changed: those of the loops, and those of plays at an end. Returns null if there are no
-  /// such equations.
+  /// after plays (backlash of couplings) have opened or closed: those of the loops, and those of plays at an
+  /// end. Returns null if there are no such equations.
   using Engage = std::function<ClosedMotion*()>;
 
   /// Takes the couplings with play and, if `stops` is true, the hard stops of a model. All are free.
@@ -35,21 +35,21 @@ class Plays {
   int side(std::size_t k) const { return side_[k]; }
   bool any_at_an_end() const;
 
-  /// The model with the same coordinates in which couplings at an end of their play are couplings without
-  /// play. It is built the first time that this combination of ends occurs.
+  /// The model with the same coordinates in which couplings at an end of their play (backlash) are couplings
+  /// without play. It is built the first time that this combination of ends occurs.
   const Model& engaged();
 
-  /// gap_to() is the signed distance of play k from its lower end (side = -1) or its upper end (side = 1); it
-  /// is negative beyond the end. rate() is the rate of the coupling's Σ factor q, positive towards the upper
-  /// end.
+  /// gap_to() is the signed distance of play k (the backlash of a coupling) from its lower end (side = -1) or
+  /// its upper end (side = 1); it is negative beyond the end. rate() is the rate of the coupling's Σ factor
+  /// q, positive towards the upper end.
   double gap_to(std::size_t k, int side, Span q) const;
   double rate(std::size_t k, Span v) const;
   /// The rounding error of the gap between play k and one of its ends; smaller gaps count as 0.
   double gap_resolution(std::size_t k, Span q) const;
-  /// A number that becomes negative when play k must change. For a free play it is the gap to its nearer end,
-  /// plus a bound on rounding errors and the distance by which the play is allowed to be beyond this end. For
-  /// a play at an end it is the force with which the end pushes, which `loops` computed with its last
-  /// accelerations.
+  /// A number that becomes negative when play k (the backlash of a coupling) must open or close. For a free
+  /// play it is the gap to its nearer end, plus a bound on rounding errors and the distance by which the play
+  /// is allowed to be beyond this end. For a play at an end it is the force with which the end pushes, which
+  /// `loops` computed with its last accelerations.
   double reserve(std::size_t k, Span q, const ClosedMotion* loops) const;
   /// Permits each play (backlash of a coupling) to be as far beyond an end as it is at q, from now on. It is
   /// called after an event and at the start of a motion. Afterwards no free play must change at q.
@@ -65,8 +65,9 @@ class Plays {
   /// each play. A free play that moves towards its nearer end has an impact there, which changes v, and a
   /// play at an end becomes free. Returns the events, without times.
   Events change(Span reserves, Span q, std::span<double> v, const Engage& engage);
-  /// Frees the plays whose end would have to pull to hold them, in the last accelerations of `loops`. Returns
-  /// their events, without times. If there are any, the caller must make the constraint equations anew.
+  /// Frees the plays (backlash of couplings) at an end that would have to pull in the last accelerations that
+  /// `loops` computed. Returns their events, without times. If there are any, the caller must make the
+  /// constraint equations anew.
   Events release_pulled(const ClosedMotion* loops);
 
  private:

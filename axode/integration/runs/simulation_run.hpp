@@ -75,8 +75,8 @@ class SimulationRun {
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
   /// Takes the step to t_1, or to an earlier time at which a joint comes to rest or begins to slide under dry
-  /// friction, the law of a drive changes to another branch, or a play (backlash) reaches or leaves an end.
-  /// Before the call, `attempt` must have computed `end` at t_1.
+  /// friction, the law of a drive changes its form, or a play (backlash) reaches or leaves an end. Before the
+  /// call, `attempt` must have computed `end` at t_1.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
   /// Prepares an attempt at a step: resets the violation of dry friction and weakest_row().
   void begin_step();

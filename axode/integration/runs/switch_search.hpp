@@ -6,9 +6,10 @@
 
 namespace axode {
 
-/// Finds the time in a step from t_0 to t_1 at which a drive must change to another branch of its law. This
-/// is the time at which the least margin of the drives becomes negative; it is margin_0 ≥ 0 at t_0 and
-/// margin_1 < 0 at t_1. The search is by regula falsi (Illinois) and bisection.
+/// Finds the time in a step from t_0 to t_1 at which the law of a drive must change its form, for example at
+/// a limit. This is the time at which the least margin of the drives becomes negative, a number that each
+/// drive computes; it is margin_0 ≥ 0 at t_0 and margin_1 < 0 at t_1. The search is by regula falsi
+/// (Illinois) and bisection.
 class SwitchSearch {
  public:
   SwitchSearch(double t_0, double t_1, double margin_0, double margin_1)
@@ -92,9 +93,9 @@ class ChangeSearch {
   int tries_ = 0;
 };
 
-/// Limits for motions in which friction, drives or couplings with play change too fast to be followed. A step
-/// is short if it ended early and is shorter than short_part of the step that was attempted. A motion ends
-/// after most_short_steps short steps in a row.
+/// Limits for motions in which friction, drives or couplings with play (backlash) change too fast to be
+/// followed. A step is short if it ended early and is shorter than short_part of the step that was attempted.
+/// A motion ends after most_short_steps short steps in a row.
 inline constexpr int most_short_steps = 1000;
 inline constexpr double short_part = 1e-9;
 

@@ -32,7 +32,7 @@ template <class Run, class Take> void each_step(Run& run, double until, double s
 
 /// Takes equal steps from time 0 to `until`; the last one may be shorter. A step is taken in several parts if
 /// an input of a drive jumps within it. take(t_1) computes a part that ends at t_1 or before. At the ends of
-/// parts drives change to other branches of their laws.
+/// parts the laws of drives may change their forms.
 template <class Run, class Take> void each_part(Run& run, double until, double step, const Take& take) {
   each_step(run, until, step, [&](double t_1) {
     while (run.now() < t_1 && !run.done()) {
@@ -44,9 +44,9 @@ template <class Run, class Take> void each_part(Run& run, double until, double s
   });
 }
 
-/// Advances the motion to t_1, in several steps if discrete statuses of friction, drives or plays change, or
-/// a prescribed motion or an input jumps, before t_1. `attempt` computes a step, and after() is called after
-/// each step.
+/// Advances the motion to t_1, in several steps if a joint begins to stick or slide, the law of a drive
+/// changes its form or a play (backlash) opens or closes, or a prescribed motion or an input jumps, before
+/// t_1. `attempt` computes a step, and after() is called after each step.
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {

@@ -68,8 +68,8 @@ template <class System> class HalfExplicit {
   Eigen::VectorXd drive_states;
 
  private:
-  /// Computes the acceleration L at q_i_ for which the velocity base_ + part L satisfies the constraints at
-  /// q_next_, the configuration of the next stage. Returns whether the iteration converged.
+  /// Computes the acceleration L at q_i_ of a stage for which the velocity base_ + part L of the next stage
+  /// satisfies the constraints at its configuration q_next_. Returns whether the iteration converged.
   bool accelerate(double part, Vector& L) {
     auto& bodies = system_->bodies();
     L.assign(v.size(), 0.0);
