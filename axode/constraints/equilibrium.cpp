@@ -79,7 +79,7 @@ class Statics {
 
  private:
   /// Projects the unbalanced forces and their derivative by q onto the velocities that the loops allow, after
-  /// subtracting the constraint forces Aᵀ λ that reduce the unbalanced forces most (least squares).
+  /// subtracting those constraint forces of the loops that reduce the unbalanced forces most (least squares).
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);

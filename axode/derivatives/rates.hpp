@@ -50,9 +50,9 @@ void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, 
 
 /// Computes the time derivatives of the accelerations of forward dynamics: a, jerk, ... (`rates`, k rows of
 /// nv numbers) from q, v and the forces τ, τ', ... (`forces`, k rows of nv numbers). Derivative j of τ is an
-/// affine function of derivative j of a, with the matrix M; hence one linear system with M is solved for each
-/// row. O(n k³) for all rows, and one solution for each; allocates. The results are NaN if the status is not
-/// ok(). See (D3.12) of docs/derivations.
+/// affine function of derivative j of a, with the mass matrix M as factor; hence one linear system with M is
+/// solved for each row. O(n k³) for all rows, and one solution for each; allocates. The results are NaN if
+/// the status is not ok(). See (D3.12) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_rates(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> forces, std::type_identity_t<std::span<T>> rates,

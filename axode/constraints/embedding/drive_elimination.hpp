@@ -16,11 +16,11 @@ template <class T> class AXODE_ENTRY DriveElimination {
   DriveElimination(const Model& model, const LoopTable& table);
 
   /// Computes the drive forces τ (nv) and, unless `lambda` is null, the multipliers λ (a number for each loop
-  /// equation) with τ + Aᵀ λ = f, for the Jacobian A of the loop equations. If there are more drives than
-  /// needed, τ has the least norm. `driven` (nv) flags the velocities with drives, entries[k] has the entries
-  /// of A for loop k, column by column, and entries below `considerable` may be rounding errors. Returns
-  /// false, without results, if some motion has no drive, if λ is wanted and not unique, or if rounding
-  /// leaves a rank open.
+  /// equation) with τ + Aᵀ λ = f, for given joint forces f and the Jacobian A of the loop equations. If there
+  /// are more drives than needed, τ has the least norm. `driven` (nv) flags the velocities with drives,
+  /// entries[k] has the entries of A for loop k, column by column, and entries below `considerable` may be
+  /// rounding errors. Returns false, without results, if some motion has no drive, if λ is wanted and not
+  /// unique, or if rounding leaves a rank open.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 

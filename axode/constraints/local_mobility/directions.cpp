@@ -118,7 +118,8 @@ struct Linearized {
 };
 
 /// Minimises the norm of a function r(x) by the method of Levenberg and Marquardt, and returns the least
-/// norm. x is the first and receives the last iterate; `accept` projects iterates onto the admissible set.
+/// norm. x is the first and receives the last iterate; `accept` projects each iterate onto the set of allowed
+/// x.
 template <class Evaluate, class Accept>
 double minimize(Eigen::VectorXd& x, int steps, const Evaluate& evaluate, const Accept& accept) {
   double lambda = 1e-3;

@@ -116,9 +116,9 @@ struct LocalMobility {
   bool kinematotropic = false;         ///< whether there are branches of different dimensions
   bool cusp = false;                   ///< whether some branch is a cusp
   bool kinematic_singularity = false;  ///< whether on every branch the differential mobility is smaller
-  /// < beside q than at q Whether the loop equations allow velocities that belong to no finite motion. This
-  /// is so at the points near q of some smooth set of configurations through q, or at q if the mechanism
-  /// cannot move.
+                                       ///< beside q than at q
+  /// Whether the loop equations allow velocities that belong to no finite motion. This is so at the points
+  /// near q of some smooth set of configurations through q, or at q if the mechanism cannot move.
   bool shaky = false;
   /// Whether the result is proved by ranks of matrices and roots of polynomials alone. It is if the loop
   /// equations are independent, if they allow no velocities, or if they allow velocities of dimension 1 or 2

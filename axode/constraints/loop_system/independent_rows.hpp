@@ -17,9 +17,10 @@ template <class T> class AXODE_ENTRY IndependentRows {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
 
-  /// Analyses the loop equations at the position or velocity level, at the present kinematics. An equation is
-  /// redundant if its column of Y = D^-½ L⁻ᵀ Aᵀ, minus the projection on earlier independent columns, has a
-  /// norm of at most `part` times the norm of the column, or times a lower limit if that is larger (D7.7).
+  /// Analyses the loop equations at the position or velocity level, at the present kinematics. With their
+  /// Jacobian A and the mass matrix LᵀD L of the spanning tree, an equation is redundant if its column of Y =
+  /// D^-½ L⁻ᵀ Aᵀ, minus the projection on earlier independent columns, has a norm of at most `part` times the
+  /// norm of the column, or times a lower limit if that is larger (D7.7).
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 
@@ -30,7 +31,8 @@ template <class T> class AXODE_ENTRY IndependentRows {
 
   /// Computes multipliers λ of the loop equations A v = 0 for which the constraint forces Aᵀ λ approximate
   /// the forces f (nv) best (least squares). If several do, the least Σ d² λ² decides, where d² is the
-  /// diagonal entry of A M⁻¹ Aᵀ for an equation, but not less than a lower limit (D7.11).
+  /// diagonal entry of A M⁻¹ Aᵀ for an equation, with the mass matrix M, but not less than a lower limit
+  /// (D7.11).
   void least_multipliers(const Vector& f, std::span<T> lambda) const;
 
   std::vector<int> independent, redundant;

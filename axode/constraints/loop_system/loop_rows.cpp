@@ -22,8 +22,8 @@ template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : 
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 /// A row needs no filter if its pivot is larger than this part of d², where d is the size of the row.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
-/// The relative size below which a row of the Jacobian of the loop equations consists of rounding errors. It
-/// is replaced by zeros, and its multiplier is then 0.
+/// The size below which a row of the Jacobian of the loop equations consists of rounding errors, as a part of
+/// the lower limit of the row's size (D7.7). It is replaced by zeros, and its multiplier is then 0.
 template <class T> constexpr T vanishing_part = is_float<T> ? T(1e-4) : T(1e-9);
 constexpr float size_of_a_row_of_zeros = 1e15f;
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);

@@ -31,7 +31,7 @@ template <class T> class RowCholesky {
   Matrix& matrix() { return R_; }
 
   /// Factorises the m × m matrix, and replaces the right side b by D⁻¹ R⁻ᵀ b. Returns false, and leaves no
-  /// factorisation, as soon as sound(k, D_k) is false for a pivot D_k.
+  /// factorisation, as soon as the caller's function sound(k, D_k) returns false for a pivot D_k.
   template <class Sound> bool factorize(Eigen::Index m, const Sound& sound) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       if (!sound(k, R_(k, k))) return false;

@@ -35,9 +35,9 @@ class Polytope {
   int faces() const noexcept { return faces_; }
   const Face& face(int f) const noexcept { return face_[f]; }
 
-  /// Adds a point that is above the plane of face `start`. The connected faces around `start` whose planes
-  /// are below the point are replaced by a cone from their rim to the point. Returns false if the memory is
-  /// full.
+  /// Adds to the polytope a point that is above the plane of its face `start`. The connected faces around
+  /// `start` whose planes are below the point are replaced by a cone from their rim to the point. Returns
+  /// false if the memory is full.
   bool insert(const Vec3<>& w, int start) noexcept {
     std::array<int, most_faces> seen{start}, edge;  // faces; edges as from + 256 to
     int seeing = 1, connected = 1, edges = 0;

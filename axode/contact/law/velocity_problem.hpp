@@ -37,12 +37,12 @@ class VelocityProblem {
   /// Removes all constraint rows. Sets the number of compliant contacts, each of which adds an unknown
   /// velocity to those of the mechanism (D11.26).
   void clear(int compliances = 0);
-  /// Appends a block of rows to the problem. The block moves the velocities `support`, in ascending order;
-  /// with `compliant` the last of them is the additional unknown of a compliant contact. Returns the block's
-  /// part of Y = D^-½ L⁻ᵀ Jᵀ, column by column, with a row for each velocity in `support`; J is the Jacobian
-  /// of the rows, and Lᵀ D L the mass matrix. Before the next call, the caller must write it, and set for
-  /// each row the term r that is added to its velocity and its factor c (a coefficient of friction or 1).
-  /// Allocates where more is needed than was reserved.
+  /// Appends a block of constraint rows to the problem. The block acts on the velocities `support`, in
+  /// ascending order; with `compliant` the last of them is the additional unknown of a compliant contact.
+  /// Returns the block's part of Y = D^-½ L⁻ᵀ Jᵀ, column by column, with a row for each velocity in
+  /// `support`; J is the Jacobian of the rows, and Lᵀ D L the mass matrix. Before the next call, the caller
+  /// must write it, and set for each row the term r that is added to its velocity and its factor c (a
+  /// coefficient of friction or 1). Allocates where more is needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
   /// Sets the compliance C of a compliant block after finish(): its normal law is then for u + C λ, not u.
@@ -52,7 +52,8 @@ class VelocityProblem {
   /// friction or 1. Computes the scale d² of each row from the diagonal of the Delassus operator Yᵀ Y = J M⁻¹
   /// Jᵀ (D11.6), with the Jacobian J of the rows and the mass matrix M: in general the entry of the row, but
   /// all rows of a contact have the entry of the normal row or half of the largest entry, whichever is
-  /// larger. If the normal impulse of a contact is given, adds the motion by this impulse to w.
+  /// larger. If the normal impulse of a contact is given, adds the motion by this impulse to w, the motion
+  /// without impulses.
   void finish() noexcept;
   /// Writes the given normal impulses of pressed contacts, which the law leaves out, into a solution.
   void complete(double* lambda) const noexcept;
@@ -104,10 +105,10 @@ class VelocityProblem {
 /// The certificate of multipliers λ of constraint rows, which says by how much they violate the laws of
 /// contact, relative to the motion; it is 0 if the laws hold (D11.7). It is |d (λ - resolve(λ - u/d²))| /
 /// (|w| + |Y λ|) with the velocities u of the rows, the motion w without impulses and the motion Y λ that the
-/// impulses add. `resolve` maps a trial impulse to the impulse that the law allows. d is a number for each
-/// row with d² near the diagonal entry of Yᵀ Y: u/d² is then an impulse, and d times an impulse is a motion
-/// like Y λ. Rounding errors make the certificate 1e-12; it is NaN if a number is not finite. `scratch` is
-/// memory for 2 rows() + nv() numbers.
+/// impulses add, where Y is the transposed Jacobian of the rows, scaled by the masses. `resolve` maps a trial
+/// impulse to the impulse that the law allows. d is a number for each row with d² near the diagonal entry of
+/// Yᵀ Y: u/d² is then an impulse, and d times an impulse is a motion like Y λ. Rounding errors make the
+/// certificate 1e-12; it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
 /// Computes the certificate of multipliers λ of constraint rows, the relative error of the laws of contact,
 /// from the error of each row: `residual` has the difference between the multiplier λ and the one that the

@@ -42,8 +42,8 @@ template <class T> struct AccelerationsAndColumns {
       for (std::ptrdiff_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// Replaces the matrix X by M⁻¹ X, where M⁻¹ is given. X may have non-zero entries only for pairs of
-  /// velocities on one path to the ground.
+  /// Replaces the matrix X by M⁻¹ X, where the inverse M⁻¹ of the mass matrix is given. X may have non-zero
+  /// entries only for pairs of velocities on one path to the ground.
   void solve(const Tree<T>& tree, const T* M_inverse, T* matrix) noexcept {
     if (!is_fast || tree->nv > most_velocities) return solve(tree, matrix);
     using L = Lanes<T>;

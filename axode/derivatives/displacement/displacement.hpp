@@ -11,8 +11,8 @@
 /// = M' X - ad_Xᵀ M V is the Coriolis force for the twists V and X.
 namespace axode {
 
-/// A six-vector of se(3) in inertial axes about O, which may be a twist, the rate of a twist, a screw or the
-/// rate of a screw.
+/// A six-vector of se(3) in inertial axes about a point O, which may be a twist, the rate of a twist, a screw
+/// or the rate of a screw.
 template <class T> using Motion6 = Twist<Spatial, T>;
 
 /// The first two time derivatives of a screw that coincides with J now and is fixed to a body with the twist

@@ -114,7 +114,8 @@ template <class T> struct MomentumFirstOrder {
 
   /// Computes, for all joint screws, the screws and wrenches from whose products the derivatives follow
   /// (MomentumEffects). For this, `screws` evaluates a motion at rest without gravity whose accelerations are
-  /// v: its twist rates are the twists J v, and its wrenches are the momenta M J v.
+  /// v: its twist rates are the twists J v, with the Jacobian J of the bodies, and its wrenches are the
+  /// momenta M J v, with their inertias M.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});

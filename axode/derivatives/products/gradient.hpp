@@ -6,9 +6,9 @@ namespace axode {
 /// Computes the gradient of λ·τ, for the forces τ of inverse dynamics and constant weights λ, with respect to
 /// (q, v, a), by the adjoint of the recursive Newton-Euler algorithm ((D1.21) to (D1.23) of
 /// docs/derivations). The forward sweep computes, besides the twist of each body, the twist Λ that the body
-/// would have if the joints moved with the velocities λ. The backward sweep sums wrenches over subtrees,
-/// whose powers along the joint screws are the entries of the gradient. It takes about 380 products and sums
-/// for a hinge.
+/// would have if the joints moved with the weights λ as velocities. The backward sweep sums wrenches over
+/// subtrees, whose powers along the joint screws are the entries of the gradient. It takes about 380 products
+/// and sums for a hinge.
 template <class G, class T> struct InverseDynamicsGradient {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
@@ -94,8 +94,8 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
 
   /// Subtracts a load W from the wrench of body i. n is the gradient, with respect to a displacement of the
-  /// body, of the power of W along the twist Λ that the body would have if the joints moved with the
-  /// velocities λ.
+  /// body, of the power of W along the twist Λ that the body would have if the joints moved with the weights
+  /// λ of the forces as velocities.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);

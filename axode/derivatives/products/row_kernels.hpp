@@ -125,8 +125,9 @@ template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
     by.solve_one(tree, da);
   }
 };
-/// Computes the gradients of w·a of forward dynamics. The gradient by τ is μ = M⁻¹ w with the mass matrix M.
-/// The gradients by q and v equal the gradients of -μ·τ of inverse dynamics at the accelerations a.
+/// Computes the gradients of w·a, the sum of the accelerations a of forward dynamics with weights w. The
+/// gradient by τ is μ = M⁻¹ w with the mass matrix M. The gradients by q and v equal the gradients of -μ·τ of
+/// inverse dynamics at the accelerations a.
 template <class By> struct RowKernel<Id("forward_dynamics_vjp"), By> {
   using T = typename By::T;
   InverseDynamicsVjp<T> vjp;

@@ -28,7 +28,7 @@ template <class T> struct VirtualMomentum {
 /// second derivatives of λ·τ follow, for the forces τ of inverse dynamics and constant weights λ, in addition
 /// to those that give the first derivatives ((D2.7) and (D2.8) of docs/derivations). `chi` is the bracket
 /// [Λ_p, S] of the joint screw S with the twist Λ_p that the predecessor would have if the joints moved with
-/// the velocities λ, and `psi_1` is [V_p, S] with its twist V_p.
+/// the weights λ as velocities, and `psi_1` is [V_p, S] with its twist V_p.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
   Wrench<Spatial, T> X, Y, Z, Q;
@@ -157,7 +157,7 @@ template <class T> struct SecondOrder {
   }
   /// Computes a matrix K for each body: minus the second derivatives, by displacements of the body, of the
   /// power of its loads along the twist Λ. Λ is the twist that the body would have if the joints moved with
-  /// the velocities λ.
+  /// the weights λ of the forces τ as velocities.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};

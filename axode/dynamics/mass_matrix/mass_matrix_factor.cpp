@@ -21,8 +21,8 @@ MassMatrixFactor<T>::MassMatrixFactor(const Model& model)
           tree.inertia_scale[s];
 }
 
-/// Throws std::invalid_argument if M is not symmetric, or if an entry for velocities on different paths is
-/// not 0, to rounding: M_rc counts as 0 if it is small relative to √(M_rr M_cc).
+/// Throws std::invalid_argument if the mass matrix M is not symmetric, or if an entry for velocities on
+/// different paths is not 0, to rounding: M_rc counts as 0 if it is small relative to √(M_rr M_cc).
 template <class T> void MassMatrixFactor<T>::check(std::span<const T> M) const {
   const std::vector<int>& parent = model_.topology().velocity_parent;
   constexpr double rounding = std::same_as<T, double> ? 1e-9 : 1e-3;

@@ -13,8 +13,9 @@ namespace axode {
 template <class T>
 void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                           std::type_identity_t<std::span<T>> dM);
-/// The partial derivatives ∂(M⁻¹)/∂q_k = -M⁻¹ ∂_k M M⁻¹, nv³ entries, with ∂(M⁻¹)_ij/∂q_k at [(k nv + i) nv +
-/// j]. O(n⁴). Allocates. If M is singular, the returned Solvability says so, and the result is NaN.
+/// The partial derivatives of the inverse mass matrix, ∂(M⁻¹)/∂q_k = -M⁻¹ (∂M/∂q_k) M⁻¹, nv³ entries, with
+/// ∂(M⁻¹)_ij/∂q_k at [(k nv + i) nv + j]. O(n⁴). Allocates. If M is singular, the returned Solvability says
+/// so, and the result is NaN.
 template <class T>
 Solvability inverse_mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                          std::type_identity_t<std::span<T>> dM_inverse);

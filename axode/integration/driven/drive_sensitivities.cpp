@@ -62,8 +62,9 @@ class DriveTangentSteps {
   }
 
   DriveSteps steps;  ///< present state
-  /// The displacements of the present state: dq of q, and dy of (v, x), with a column for each direction. The
-  /// last column is the change of the state if the step becomes longer.
+  /// The displacements of the present state: dq of q, and dy of the velocities v and the states x of the
+  /// drives, with a column for each direction. The last column is the change of the state if the step becomes
+  /// longer.
   TangentSteps tangent;
 
   /// Advances the motion to t_1 under the forces tau. Also advances its displacements if tau changes by dtau

@@ -10,19 +10,19 @@
 /// Sensitivities of the motion of a mechanism with drives that have states, integrated from time t in K equal
 /// steps as by batch::rollout() under drive forces tau that are constant in each step. They are the exact
 /// derivatives of the numerical method. If the law of a drive changes its form, for example at a limit, they
-/// take into account that the time of the change depends on the state (D17.20). Laws that depend on the time
-/// other than by their input are differentiated as if such a time did not move them, and jumps of states at a
-/// change as if there were none. Displacements and gradients of q are left-trivialised, along q ⊕ ε dq. The
-/// components of loads are constant in the representation in which they are given. If loads.joint_losses is
-/// set, damping and Coulomb friction act; friction has the derivative 0. Springs, dampers and stops of the
-/// model act.
+/// take into account that the time of the change depends on the state (D17.20). Where the time of such a
+/// change moves, the derivatives leave out that a law may depend on the time in another way than by its
+/// input, and that states may jump at the change. Displacements and gradients of q are left-trivialised,
+/// along q ⊕ ε dq. The components of loads are constant in the representation in which they are given. If
+/// loads.joint_losses is set, damping and Coulomb friction act; friction has the derivative 0. Springs,
+/// dampers and stops of the model act.
 ///
 /// If x is empty, the drives choose their initial states, which are then taken as independent of q and v.
 /// Throws std::invalid_argument for wrong sizes, numbers of the initial state that are not finite,
 /// quaternions that are not of unit norm, a load on a frame that does not exist, step <= 0, a faulty tableau,
 /// results that share memory with arguments, and mechanisms with loops, prescribed motions or couplings with
-/// play. If the returned status is not ok(), because the motion cannot continue or statuses change without
-/// end, all results are NaN. The functions allocate.
+/// play. If the returned status is not ok(), because the motion cannot continue or laws change their forms
+/// without end, all results are NaN. The functions allocate.
 namespace axode {
 
 /// Receives the states (q, v, x) of a motion of K steps, K + 1 rows of each, and for each step, row by row,

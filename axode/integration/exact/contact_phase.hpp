@@ -159,9 +159,10 @@ class ContactPhase {
   std::string set_motion(const Vector& q, const Vector& v, const Forces& forces);
   bool has_friction(std::size_t k) const;
   double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
-  /// Writes the direction of the present friction velocities of a contact, multiplied by their coefficients,
-  /// to `s`, and returns their norm. The component across the stored direction is made smaller by
-  /// `resolution`, because friction amplifies errors of the direction near rest (D11.29a).
+  /// Writes the direction of the present velocities of a contact in its friction rows, multiplied by their
+  /// coefficients, to `s`, and returns their norm. The component across the direction that is stored for the
+  /// contact is made smaller by `resolution`, because friction amplifies errors of the direction near rest
+  /// (D11.29a).
   double direction(std::size_t k, double* s) const;
   /// The components of the stored direction of a contact in the axes of its friction rows.
   std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;

@@ -45,8 +45,8 @@ class DriveStates {
   /// evaluation. Until the states are set for another time, forces at any (q, v) are evaluated with the
   /// states at its end.
   void begin_trapezoidal_step(double h) { begin_stage(h / 2, x_t_ + h / 2 * dx_t_, x_t_); }
-  /// Computes the states at the end of a step of the midpoint rule, x_1 = 2 x_m - x_0, which may have the
-  /// memory of x_0.
+  /// Computes the states x_1 = 2 x_m - x_0 of the drives at the end of a step of the midpoint rule, from the
+  /// states x_0 at its start and x_m in its middle. x_1 may have the memory of x_0.
   void end_midpoint_step(Vector& x_1) const { x_1 = 2 * x_t_ - base_; }
   /// Computes the states x_1 at the end of a step of length h from x_0 at time t, in which the mechanism has
   /// the state (q_s, v_s) at t + stage h and (q_1, v_1) at t + h, by the L-stable method of two implicit

@@ -66,9 +66,9 @@ void SimulationRun::note_plays(Plays::Events events) {
   }
 }
 
-/// Computes a number for each play (backlash of a coupling) that becomes negative when the play must change.
-/// For a free play it is the gap to the nearer end. For a play at an end it is the force with which this end
-/// pushes.
+/// Computes a number for each play (backlash of a coupling) that becomes negative when the play must open or
+/// close. For a free play it is the gap to the nearer end. For a play at an end it is the force with which
+/// this end pushes.
 Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double>& out) {
   out.resize(plays_.size());
   if (plays_.any_at_an_end()) {
