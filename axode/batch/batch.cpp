@@ -14,8 +14,8 @@
 namespace axode::batch {
 namespace {
 
-/// Calls a kernel on groups of as many states as a SIMD register has lanes. A smaller group is filled with
-/// its last state.
+/// Calls a kernel, a function for as many states as a SIMD register has lanes, on groups of that many states.
+/// A smaller group is filled with its last state.
 template <class S> class LaneCall {
  public:
   LaneCall(StatesOfRow<S>& states, const LaneKernel<S>& kernel)

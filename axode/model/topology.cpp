@@ -117,16 +117,16 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
-/// For a given body: a path to the ground that passes this body or begins at it. The path is that of a
-/// coupled joint, which shares the velocity of the joint `leader`, or of `leader` itself. `from` is the child
-/// of the body through which the path comes, or the body itself if the path begins at it.
+/// A path from a joint to the ground that passes a given body or begins at it. The joint is `leader`, or a
+/// joint that is coupled to `leader` and shares its velocity. `from` is the child of the body through which
+/// the path comes, or the body itself if the path begins at it.
 struct Arrival {
   int leader, from;
 };
 
-/// For each body, the paths to the ground that pass it or begin at it, sorted by their leaders. A path is
-/// that of a coupled joint or of its leader l, the joint whose velocity it shares. It ends at the body
-/// meets[l], where all paths with the leader l meet.
+/// For each body, the paths from joints to the ground that pass it or begin at it, sorted by their leaders. A
+/// path begins at a leader l, a joint to which others are coupled, or at a joint that is coupled to l and
+/// shares its velocity. It ends at the body meets[l], where all paths with the leader l meet.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));

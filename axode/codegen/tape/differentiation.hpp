@@ -19,9 +19,9 @@ class Composition {
   Traces argument(const std::string& name, int n);
   /// Adds the arguments of the function f and returns the entries of each.
   std::vector<Traces> arguments_of(const Recording& f);
-  /// Calls the recorded function f in this composition: adds its operations with the given arguments, and
-  /// returns its results. If f reports that the mass matrix may be singular, the composition reports this as
-  /// well.
+  /// Calls the recorded function f (a list of operations) in this composition: adds its operations with the
+  /// given arguments, and returns its results. If f reports that the mass matrix may be singular, the
+  /// composition reports this as well.
   Traces operator()(const Recording& f, std::span<const Traces> arguments);
   Traces operator()(const Recording& f, std::initializer_list<Traces> arguments) {
     return (*this)(f, std::span(arguments.begin(), arguments.size()));
@@ -39,9 +39,9 @@ class Composition {
   Recording with(const std::string& result, Traces results);
 
  private:
-  /// The derivatives of the results of `made`, a recording of this composition, along a direction of the
-  /// arguments. Entry k of `direction` is the direction of argument k. Only the operations k with need[k] are
-  /// differentiated.
+  /// The derivatives of the results of `made`, a recording (list of operations) that this composition has
+  /// made, along a direction of the arguments. Entry k of `direction` is the direction of argument k. Only
+  /// the operations k with need[k] are differentiated.
   Traces along(const Recording& made, const std::vector<char>& need, std::span<const Traces> direction) const;
   /// The index of the node of an entry of an argument.
   std::size_t node(std::size_t argument, std::size_t entry) const;

@@ -237,9 +237,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<LoopTable::VelocityBlock>& blocks() const {
     return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
-  /// Computes accelerations and multipliers with fast articulated bodies. Returns false, without results, if
-  /// the model has couplings or coupled joints, if a pivot of the mass matrix is too small, or if all
-  /// equations of a loop are close to 0.
+  /// Computes accelerations, and multipliers of the loop equations, by the fast articulated-body algorithm.
+  /// Returns false, without results, if the model has couplings or coupled joints, if a pivot of the mass
+  /// matrix is too small, or if all equations of a loop are close to 0.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).

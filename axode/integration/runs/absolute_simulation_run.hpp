@@ -191,8 +191,8 @@ class AbsoluteSimulationRun {
     }
     return inertia;
   }
-  /// Computes in x_ the displacement, or the change of velocities, in the directions of constraint forces
-  /// that removes the residuals rows_ of the constraints.
+  /// Computes the displacement, or the change of velocities, in the directions of constraint forces that
+  /// removes the residuals of the constraints (rows_), and writes it to x_.
   void project() {
     as_eigen(rows_) *= -1;
     f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);
