@@ -27,9 +27,8 @@ class ContactStep {
   /// of the drives, whose statuses and inputs do not change in the step. A step that violates the laws of
   /// contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16 parts. Allocates
   /// only if there are more than 64 contacts and more than ever before, and in the first step that needs
-  /// Newton's matrix. Fails if the mass matrix
-  /// is singular, a number is not finite, there are too many points of contact, or the caller's monitor ends
-  /// the motion.
+  /// Newton's matrix. Fails if the mass matrix is singular, a number is not finite, there are too many points
+  /// of contact, or the caller's monitor ends the motion.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0 = {});
 
   /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.
