@@ -115,6 +115,20 @@ function(axode_precompile name first)
                             ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
 endfunction()
 
+# axode_unite_rooms(<target>): compiles the sources of each folder as one unit, because most of the time of a
+# source goes to headers and templates that its neighbours use too.
+function(axode_unite_rooms target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "^${PROJECT_SOURCE_DIR}/.*\\.cpp$")
+  foreach(source IN LISTS sources)
+    cmake_path(GET source PARENT_PATH room)
+    cmake_path(RELATIVE_PATH room BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/axode)
+    string(MAKE_C_IDENTIFIER ${room} room)
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room})
+  endforeach()
+endfunction()
+
 # axode_add_instances(<group> <name> <first> <definitions> <source>...): objects of the sources with these
 # definitions, and with the precompiled header of <first>.
 function(axode_add_instances group name first definitions)
@@ -188,6 +202,7 @@ function(axode_add_part part)
   endforeach()
   axode_add_objects(${part}_double axode_${part} ${sources})
   axode_precompile(axode_${part} axode_often_included)
+  axode_unite_rooms(axode_${part})
 
   list(JOIN floors_${part} | floors)
   foreach(list IN LISTS instantiated)
@@ -227,6 +242,7 @@ target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/drive_rollout.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/rollout.cpp)
+axode_unite_rooms(axode_batch)
 target_link_libraries(axode_batch PUBLIC axode::axode PRIVATE TBB::tbb)
 
 foreach(group IN ITEMS to_dynamics_double beyond_dynamics_double)
@@ -240,12 +256,14 @@ axode_add_group(axode_batch batch)
 axode_add_library(axode_codegen codegen)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/codegen/*.cpp)
 target_sources(axode_codegen PRIVATE ${sources})
+axode_unite_rooms(axode_codegen)
 target_link_libraries(axode_codegen PUBLIC axode_batch PRIVATE ${CMAKE_DL_LIBS})
 target_compile_definitions(axode_codegen PRIVATE AXODE_VERSION="${PROJECT_VERSION}")
 
 axode_add_library(axode_io io)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
 axode_add_objects(io axode_files ${sources})
+axode_unite_rooms(axode_files)
 target_link_libraries(axode_files PRIVATE tinyxml2::tinyxml2)
 axode_add_group(axode_io io)
 target_link_libraries(axode_io PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode> PRIVATE tinyxml2::tinyxml2)
@@ -255,6 +273,7 @@ find_package(Qhull REQUIRED)
 axode_add_library(axode_view view)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/view/*.cpp)
 target_sources(axode_view PRIVATE ${sources})
+axode_unite_rooms(axode_view)
 target_link_libraries(
   axode_view PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>
   PRIVATE tinyxml2::tinyxml2 Qhull::qhull_r $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
@@ -272,6 +291,7 @@ foreach(name component.hpp fmi2.cpp fmi3.cpp exported.map README.md)
 endforeach()
 configure_file(${PROJECT_SOURCE_DIR}/axode/fmi/sources.cpp.in ${PROJECT_BINARY_DIR}/fmi_sources.cpp @ONLY)
 target_sources(axode_fmi PRIVATE ${sources} ${PROJECT_BINARY_DIR}/fmi_sources.cpp)
+axode_unite_rooms(axode_fmi)
 target_link_libraries(axode_fmi PUBLIC $<BUILD_INTERFACE:axode_io> $<INSTALL_INTERFACE:axode::io> PRIVATE tinyxml2::tinyxml2)
 set(AXODE_FMU "")
 if(NOT BUILD_SHARED_LIBS)
