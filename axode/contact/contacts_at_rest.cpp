@@ -11,12 +11,11 @@
 #include "axode/contact/law/velocity_solver.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/scalar/index.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
-
-std::size_t index(int k) { return static_cast<std::size_t>(k); }
 
 void check_distance(const char* name, double x) {
   if (!(x >= 0 && std::isfinite(x)))

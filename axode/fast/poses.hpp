@@ -80,16 +80,15 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   /// Computes the poses at q and calls put() for bodies 1 to n, in this order.
   template <From from = From::inertial_frame, class S, class Put>
   [[gnu::always_inline]] void run(const Tree<S>& tree, const T* q, Put&& put) noexcept {
-    using Vector = typename G::Vector;
     angles.run(tree, q);
-    Placed<G> last{typename G::Matrix(SO3<T>{}), Vector{}};
+    Placed<G> last{typename G::Matrix(SO3<T>{}), typename G::Vector{}};
     branch[0] = last;
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];
       if (p != i - 1) last = branch[p];
       const Placed<G> next = place<G>(tree, i, q, angles, last.R);
       last.R = next.R;
-      last.r = from == From::root && p == 0 ? Vector{} : last.r + next.r;
+      last.r = from == From::root && p == 0 ? typename G::Vector{} : last.r + next.r;
       put(i, last);
       if (tree->branches[i]) branch[i] = last;
     }

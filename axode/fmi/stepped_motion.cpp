@@ -86,11 +86,11 @@ void SteppedMotion::check() const {
 }
 
 void SteppedMotion::set_forces(Span tau, std::vector<AppliedWrench<>> loads) {
-  const auto components = [](const AppliedWrench<>& W) {
+  const auto entries = [](const AppliedWrench<>& W) {
     return std::array{W.m.x, W.m.y, W.m.z, W.f.x, W.f.y, W.f.z};
   };
   const bool changed =
-      !std::ranges::equal(tau, tau_) || !std::ranges::equal(loads, loads_, {}, components, components);
+      !std::ranges::equal(tau, tau_) || !std::ranges::equal(loads, loads_, {}, entries, entries);
   tau_.assign(tau.begin(), tau.end());
   loads_ = std::move(loads);
   act();

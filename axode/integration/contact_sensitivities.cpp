@@ -10,6 +10,7 @@
 #include "axode/integration/runs/sized_arguments.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/model/finite.hpp"
+#include "axode/scalar/index.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {
@@ -17,8 +18,6 @@ namespace {
 
 using Span = std::span<const double>;
 using Matrix = Eigen::MatrixXd;
-
-std::size_t size(Eigen::Index count) { return static_cast<std::size_t>(count); }
 
 void check_motion(const Model& model, const ContactShapes& shapes, double step,
                   std::initializer_list<Sized<const double>> arguments,
@@ -211,15 +210,15 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
        {"dq", dq, nv, "nv"},
        {"dv", dv, nv, "nv"},
        {"dtau", dtau, K * nv, "K nv"},
-       {"parameters.surfaces", parameters.surfaces, size(counts.surfaces), "3 n for n shapes, or empty"},
-       {"parameters.placement", parameters.placement, size(counts.placement), "6 n for n shapes, or empty"},
-       {"parameters.inertia", parameters.inertia, size(counts.inertia), "10 n_bodies, or empty"},
-       {"parameters.geometry", parameters.geometry, size(counts.geometry), "6 n_bodies, or empty"}},
+       {"parameters.surfaces", parameters.surfaces, index(counts.surfaces), "3 n for n shapes, or empty"},
+       {"parameters.placement", parameters.placement, index(counts.placement), "6 n for n shapes, or empty"},
+       {"parameters.inertia", parameters.inertia, index(counts.inertia), "10 n_bodies, or empty"},
+       {"parameters.geometry", parameters.geometry, index(counts.geometry), "6 n_bodies, or empty"}},
       {{"dq_out", dq_out, (K + 1) * nv, "(K + 1) nv"}, {"dv_out", dv_out, (K + 1) * nv, "(K + 1) nv"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
   Matrix dq_k = as_eigen(dq), dv_k = as_eigen(dv);
   const auto column = [](Span x) { return x.empty() ? Matrix() : Matrix(as_eigen(x)); };
-  const std::size_t n = size(counts.surfaces) / 3;
+  const std::size_t n = index(counts.surfaces) / 3;
   ContactDirections along;
   if (n > 0) {
     along.friction = column(parameters.surfaces.first(n));
@@ -257,10 +256,10 @@ ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& 
        {"gradient.v", gradient.v, nv, "nv"},
        {"gradient.tau", gradient.tau, K * nv, "K nv"},
        {"gradient.geometry", gradient.geometry, 0, "empty: by_parameters.geometry receives it"},
-       {"by_parameters.surfaces", by.surfaces, size(counts.surfaces), "3 n for n shapes, or empty"},
-       {"by_parameters.placement", by.placement, size(counts.placement), "6 n for n shapes, or empty"},
-       {"by_parameters.inertia", by.inertia, size(counts.inertia), "10 n_bodies, or empty"},
-       {"by_parameters.geometry", by.geometry, size(counts.geometry), "6 n_bodies, or empty"}});
+       {"by_parameters.surfaces", by.surfaces, index(counts.surfaces), "3 n for n shapes, or empty"},
+       {"by_parameters.placement", by.placement, index(counts.placement), "6 n for n shapes, or empty"},
+       {"by_parameters.inertia", by.inertia, index(counts.inertia), "10 n_bodies, or empty"},
+       {"by_parameters.geometry", by.geometry, index(counts.geometry), "6 n_bodies, or empty"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
   const Eigen::Index n = model.nv();
   std::vector<Matrix> changes;  // (dq; dv) at the end of each step, 2nv rows

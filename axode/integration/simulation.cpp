@@ -19,7 +19,6 @@
 namespace axode {
 namespace {
 
-using Vector = Eigen::VectorXd;
 using Span = std::span<const double>;
 
 /// Throws std::invalid_argument for couplings with play, unsupported by `scheme`.
@@ -215,7 +214,7 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
   check_no_plays(model, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
-  Vector q_0, v_0, p_0;
+  Eigen::VectorXd q_0, v_0, p_0;
   run.initial_state(q_0, v_0, p_0);
   const auto take = [&](auto part) {
     SymplecticStep scheme(run, std::move(part), order, q_0, p_0, v_0);
@@ -244,10 +243,11 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   DriveStates& drives = run.drives();
   MuntheKaas scheme(model.tree<double>(), method, options.local_coordinates, drives.size());
   const ConfigurationGroup<double> group = run.group();
-  Vector q_1, v_1, p;
+  Eigen::VectorXd q_1, v_1, p;
   run.initial_state(q_1, v_1, p);
   const Eigen::Index nv = p.size(), nx = drives.x.size();
-  Vector q_i, v_i, dp = p, y(nv + nx), dy = y;  // y contains the momenta, and then the states of the drives
+  Eigen::VectorXd q_i, v_i, dp = p, y(nv + nx),
+                            dy = y;  // y contains the momenta, and then the states of the drives
   y.head(nv) = p;
   bases.begin(q_1.data(), y.data());
   Failure failure;
@@ -278,7 +278,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
     if (failure) return failure;
     bases.restore_centers(q_1.data());
     bases.to_momenta(q_1.data(), y.data(), p.data());
-    const Vector before = p;
+    const Eigen::VectorXd before = p;
     failure = run.close(t_1, q_1, p);
     if (failure) return failure;
     y.head(nv) += p - before;  // the states of floating bases do not change

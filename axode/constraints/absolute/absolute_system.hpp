@@ -6,6 +6,7 @@
 
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/loads.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode {
 
@@ -125,7 +126,6 @@ class AbsoluteSystem {
     int along = -1;                  ///< index of the free direction if the joint has one velocity, otherwise
                                      ///< -1
   };
-  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
   /// A rotor: an additional body that turns with one velocity of a joint. Rotors whose velocity is the rate
   /// of a coordinate are stored first.

@@ -2,6 +2,7 @@
 #include "axode/constraints/embedding/limbs.hpp"
 #include "axode/constraints/embedding/row_elimination.hpp"
 #include "axode/constraints/loops/loop_table.hpp"
+#include "axode/scalar/index.hpp"
 #include "axode/scalar/instruction_set.hpp"
 
 namespace axode {
@@ -34,7 +35,6 @@ template <class T> class AXODE_ENTRY DriveElimination {
     RowElimination<T> matrix;
     std::vector<T> mu;  ///< multipliers of the rows of `matrix` after the elimination
   };
-  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   static int size(const std::vector<int>& of) { return static_cast<int>(of.size()); }
   /// The index of the first column of a carrying velocity.
   static int carrying_column(const Part& part) { return size(part.passive) + size(part.active); }

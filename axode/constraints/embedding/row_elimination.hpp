@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "axode/scalar/index.hpp"
+
 namespace axode {
 
 /// Gaussian elimination of the first columns of a small matrix A, with complete pivoting among these columns.
@@ -113,7 +115,6 @@ template <class T> class RowElimination {
   }
 
  private:
-  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   void swap(int k, int i, int j) noexcept {
     if (i != k) {
       std::swap_ranges(row(k), row(k) + stride_, row(i));

@@ -3,6 +3,7 @@
 
 #include "axode/constraints/embedding/task_space.hpp"
 #include "axode/constraints/loop_system/loop_system.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode {
 
@@ -79,7 +80,6 @@ class TaskKernel {
   Vector acceleration, bias;  ///< scratch memory of nv and of loops().rows numbers
 
  private:
-  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   void make_parts(const Limbs& limbs);
   void determine_ranks();
   void choose_components();

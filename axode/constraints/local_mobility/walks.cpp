@@ -8,6 +8,7 @@
 
 #include "axode/kinematics/path.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode::higher_order {
 namespace {
@@ -60,7 +61,6 @@ class Walker {
   }
 
  private:
-  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   SE3<>& at(int i) { return C_[index(i)]; }
 
   /// The joints on the path from a body (included) to the body `meeting` (not included).

@@ -16,6 +16,7 @@
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/articulated_bodies.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
+#include "axode/scalar/index.hpp"
 #include "axode/scalar/instruction_set.hpp"
 
 namespace axode {
@@ -227,7 +228,6 @@ template <class T> class AXODE_ENTRY LoopSystem {
     loops::LoopWrenches<T> W;     ///< wrenches on the second body for unit multipliers
   };
   const Tree<T>& tree() const { return model_.tree<T>(); }
-  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   using Range = LoopPath::Range;
   Range range(const LoopPath& path) const {
     return level_ == ConstraintLevel::velocity ? path.rows : path.residuals;

@@ -6,11 +6,10 @@
 #include <string>
 
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode {
 namespace {
-
-std::size_t index(int k) { return static_cast<std::size_t>(k); }
 
 void check_numbers(const char* name, std::span<const double> x, std::size_t size) {
   if (x.size() != size)

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "axode/scalar/index.hpp"
+
 namespace axode {
-namespace {
-
-std::size_t index(int k) { return static_cast<std::size_t>(k); }
-
-}  // namespace
+namespace {}  // namespace
 
 ContactFrame contact_frame(const Vec3<>& n) noexcept {
   const double s = n.z >= 0 ? 1 : -1, c = -1 / (s + n.z), b = n.x * n.y * c;

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "axode/scalar/index.hpp"
+
 namespace axode {
 namespace {
 
 /// Largest number of columns of a node that consists of several clusters.
 constexpr int most_columns = 48;
-
-std::size_t index(int k) { return static_cast<std::size_t>(k); }
 
 /// A matrix whose columns begin `stride` numbers apart and are filled up to whole tiles.
 struct Panel {

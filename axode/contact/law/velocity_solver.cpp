@@ -6,6 +6,8 @@
 #include <limits>
 #include <new>
 
+#include "axode/scalar/index.hpp"
+
 namespace axode {
 namespace {
 
@@ -13,10 +15,8 @@ namespace {
 /// contacts are redundant, and such that redundant contacts keep their load.
 constexpr double keep = 1e-9;
 /// The approximate number of columns of Y that are multiplied at once when Y B Yᵀ is computed.
-constexpr int most_columns = 48;
+constexpr int most_solved = 48;
 constexpr std::size_t matrix_size = LawBlock::most_rows * LawBlock::most_rows;
-
-std::size_t index(int k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 
@@ -30,7 +30,7 @@ void VelocitySolver::reserve(int nv, int rows) {
   G_memory_.resize(std::max(G_memory_.size(), index(dual) * index(dual)));
   matrices_.resize(std::max(matrices_.size(), index(rows) * matrix_size));
   for (std::vector<double>* x : {&YB_, &columns_})
-    x->resize(std::max(x->size(), index(SparseFactor::padded(nv)) * (most_columns + LawBlock::most_rows)));
+    x->resize(std::max(x->size(), index(SparseFactor::padded(nv)) * (most_solved + LawBlock::most_rows)));
 }
 
 void VelocitySolver::begin(const VelocityProblem& p) noexcept {
@@ -335,7 +335,7 @@ void VelocitySolver::factorize_with(bool symmetric) noexcept {
     const int stride = SparseFactor::padded(blocks[k].width);
     while (k < blocks.size() && blocks[k].support == support) {
       int columns = 0;
-      for (; k < blocks.size() && blocks[k].support == support && columns < most_columns; ++k)
+      for (; k < blocks.size() && blocks[k].support == support && columns < most_solved; ++k)
         with_rows(blocks[k], [&](auto n) {
           const Eigen::Map<const LawMatrix<n()>> B(matrices_.data() + k * matrix_size);
           if (B.isZero(0)) return;

@@ -26,7 +26,7 @@ using Row = TangentSteps::Row;
 using Rows = SpringTerms::Rows;
 using Monitor = std::function<bool()>;
 
-Eigen::Index index(std::size_t n) { return static_cast<Eigen::Index>(n); }
+Eigen::Index eigen_index(std::size_t n) { return static_cast<Eigen::Index>(n); }
 
 /// Numbers of coordinates, velocities, states and inputs of a mechanism with drives, and of steps.
 struct Sizes {
@@ -84,7 +84,7 @@ class DriveTangentSteps {
       const double t_0 = steps.t();
       std::ranges::copy(steps.q, tangent.q.begin());
       std::ranges::copy(steps.v, tangent.y.begin());
-      std::ranges::copy(steps.x, tangent.y.begin() + index(steps.v.size()));
+      std::ranges::copy(steps.x, tangent.y.begin() + eigen_index(steps.v.size()));
       const End end = steps.take_step(t_1, rates, closed);
       if (end != End::none) return found_.ok() ? Solvability{.not_finite = true} : found_;
       tangent.dq.col(m).setZero();
@@ -127,7 +127,7 @@ class DriveTangentSteps {
         dynamics_->run(tree_, q.data(), v.data(), forces, loads_, by_q_.data(), by_v_.data(), by_tau_.data());
     if (!found_.ok()) return false;
     std::copy_n(dynamics_->forward.a, nv, dydt.data());
-    const auto dv = dy.topRows(index(nv)), dx = dy.bottomRows(index(x.size()));
+    const auto dv = dy.topRows(eigen_index(nv)), dx = dy.bottomRows(eigen_index(x.size()));
     Matrix inputs_by = steps.drives().input_rates(t) * dt;
     inputs_by.leftCols(du.cols()) += du;
     Matrix forces_by = d.tau_q * dq + d.tau_v * dv + d.tau_x * dx + d.tau_u * inputs_by;
@@ -137,8 +137,8 @@ class DriveTangentSteps {
       forces_by += springs_.by_q * dq;
       forces_by += springs_.by_v * dv;
     }
-    by.topRows(index(nv)) = by_q_ * dq + by_v_ * dv + by_tau_ * forces_by;
-    by.bottomRows(index(x.size())) = d.f_q * dq + d.f_v * dv + d.f_x * dx + d.f_u * inputs_by;
+    by.topRows(eigen_index(nv)) = by_q_ * dq + by_v_ * dv + by_tau_ * forces_by;
+    by.bottomRows(eigen_index(x.size())) = d.f_q * dq + d.f_v * dv + d.f_x * dx + d.f_u * inputs_by;
     return true;
   }
 
@@ -146,7 +146,7 @@ class DriveTangentSteps {
   Row change_of_time(const Matrix& du) {
     DriveSystem& drives = steps.drives();
     const double t = steps.t();
-    const Eigen::Index m = du.cols(), nv = index(steps.v.size()), nx = index(steps.x.size());
+    const Eigen::Index m = du.cols(), nv = eigen_index(steps.v.size()), nx = eigen_index(steps.x.size());
     if (!(drives.least_margin(t, steps.q, steps.v, steps.x) < 0)) return Row::Zero(m);  // an input jumps
     const MarginDerivatives by = drives.margin_derivatives(t, steps.q, steps.v, steps.x);
     const Row change = by.q * tangent.dq + by.v * tangent.dy.topRows(nv) + by.x * tangent.dy.bottomRows(nx);
@@ -180,7 +180,7 @@ void check_motion(const Model& model, const DriveSystem& drives, double t, Span 
 
 /// Row k of a list of rows of `width` numbers, as a matrix of one column.
 Matrix column(Span rows, std::size_t k, std::size_t width) {
-  return Eigen::Map<const Matrix>(rows.data() + k * width, index(width), 1);
+  return Eigen::Map<const Matrix>(rows.data() + k * width, eigen_index(width), 1);
 }
 
 }  // namespace
@@ -202,7 +202,8 @@ Solvability rollout_derivatives_with_drives(const Model& model, const DriveSyste
                {"out.B", out.B, K * n * at.nv, "K (2nv + nx) nv"},
                {"out.C", out.C, K * n * at.nu, "K (2nv + nx) nu"}});
   check_motion(model, drives, t, q, v, x, loads, method, step);
-  const Eigen::Index nv = index(at.nv), nx = index(at.nx), nu = index(at.nu), m = index(n);
+  const Eigen::Index nv = eigen_index(at.nv), nx = eigen_index(at.nx), nu = eigen_index(at.nu),
+                     m = eigen_index(n);
   DriveTangentSteps motion(model, drives, loads, method, m + nv + nu);
   Matrix dtau = Matrix::Zero(nv, m + nv + nu), du = Matrix::Zero(nu, m + nv + nu);
   dtau.middleCols(m, nv).setIdentity();
@@ -211,7 +212,7 @@ Solvability rollout_derivatives_with_drives(const Model& model, const DriveSyste
   const auto write = [&](std::size_t k) {
     std::ranges::copy(motion.steps.q, &out.q[k * at.nq]);
     std::ranges::copy(motion.steps.v, &out.v[k * at.nv]);
-    std::ranges::copy(motion.steps.x, out.x.begin() + index(k * at.nx));
+    std::ranges::copy(motion.steps.x, out.x.begin() + eigen_index(k * at.nx));
   };
   write(0);
   Solvability verdict;
@@ -299,14 +300,14 @@ Solvability rollout_vjp_with_drives(const Model& model, const DriveSystem& drive
   const Solvability verdict = rollout_derivatives_with_drives(
       model, drives, t, q, v, x, tau, step, {q_out, v_out, x_out, A, B, C}, loads, method, monitor);
   const auto of_state = [&](std::size_t k) {
-    Matrix all(index(n), 1);
+    Matrix all(eigen_index(n), 1);
     all << column(w.q, k, at.nv), column(w.v, k, at.nv), column(w.x, k, at.nx);
     return all;
   };
   Matrix by = of_state(K);
   const auto back = [&](const Vector& all, std::size_t k, std::size_t width, double* out) {
-    const Eigen::Map<const Rows> step_matrix(all.data() + k * n * width, index(n), index(width));
-    Eigen::Map<Matrix>(out, index(width), 1) = step_matrix.transpose() * by;
+    const Eigen::Map<const Rows> step_matrix(all.data() + k * n * width, eigen_index(n), eigen_index(width));
+    Eigen::Map<Matrix>(out, eigen_index(width), 1) = step_matrix.transpose() * by;
   };
   Vector before(n);
   for (std::size_t k = K; k-- > 0;) {

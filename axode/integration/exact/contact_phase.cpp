@@ -7,19 +7,15 @@
 
 #include "axode/eigen.hpp"
 #include "axode/recursion/least_squares.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Contacts for which memory is reserved.
 constexpr std::size_t capacity = 16;
 /// A margin (m) beyond all distances.
 constexpr double everywhere = 1e6;
-
-constexpr const char* instead = "; use the method contact or contact_adaptive";
-
-std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 
@@ -186,6 +182,7 @@ std::string ContactPhase::accelerate(const Vector& q, const Vector& v, const For
   if (std::string why = set_motion(q, v, forces); !why.empty()) return why;
   const Eigen::Index nv = model_.nv(), rows = system_.problem().rows();
   active_.clear();
+  constexpr double infinite = std::numeric_limits<double>::infinity();
   slips_.assign(closed.size(), infinite);
   speeds_.assign(closed.size(), infinite);
   lambda_.setZero(rows);
@@ -259,7 +256,7 @@ std::string ContactPhase::accelerate(const Vector& q, const Vector& v, const For
       // Directions of sliding are known to the resolution of velocities over the sliding velocity.
       double unknown = 0;
       for (std::size_t k = 0; k < closed.size(); ++k)
-        if (closed[k].law == ContactLaw::contact && speeds_[k] < infinite && speeds_[k] > 0)
+        if (closed[k].law == ContactLaw::contact && std::isfinite(speeds_[k]) && speeds_[k] > 0)
           unknown = std::max(unknown, resolution / speeds_[k]);
       if (!((C * free_loads_).norm() <= consistent + unknown))
         return "several contacts share a load while they slide, and the laws do not say how" +

@@ -135,6 +135,9 @@ class ContactPhase {
   std::string start(const Vector& q, const Vector& v, double most, bool& impacts);
 
  private:
+  /// The remedy in the messages of what this method cannot decide.
+  static constexpr const char* instead = "; use the method contact or contact_adaptive";
+
   /// A row (scalar constraint) of the contact problem whose multiplier is computed together with the
   /// accelerations. If the row is the normal row of a sliding contact, `friction` has the multipliers of the
   /// contact's friction rows, divided by that of this row.

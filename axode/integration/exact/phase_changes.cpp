@@ -6,15 +6,13 @@
 #include "axode/integration/exact/contact_phase.hpp"
 #include "axode/model/building/fault.hpp"
 #include "axode/recursion/least_squares.hpp"
+#include "axode/scalar/index.hpp"
 
 /// The part of ContactPhase for the changes between phases.
 namespace axode {
 namespace {
 
 constexpr double accepted = 1e-9, precise = 1e-15;  // certificates
-constexpr const char* instead = "; use the method contact or contact_adaptive";
-
-std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 

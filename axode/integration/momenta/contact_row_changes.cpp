@@ -1,4 +1,5 @@
 #include "axode/integration/momenta/contact_step_derivative.hpp"
+#include "axode/scalar/index.hpp"
 
 /// The part of ContactStepDerivative that differentiates the Jacobian of contacts and loops along directions.
 namespace axode {
@@ -7,8 +8,6 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode {
 namespace {
@@ -12,8 +13,6 @@ namespace {
 constexpr double accepted = 1e-9, precise = 1e-13;  // certificates
 /// Contacts for which memory is reserved.
 constexpr std::size_t capacity = 64;
-
-std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 

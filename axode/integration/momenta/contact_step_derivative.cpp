@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "axode/integration/momenta/contact_step.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode {
 namespace {
@@ -10,8 +11,6 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 /// Applies the chain rule to the derivatives x of some quantities, whose first k columns are along k
 /// directions at constant multipliers, and whose other columns are by the multipliers: x becomes the k total

@@ -1,14 +1,11 @@
 #include "axode/integration/momenta/contact_step.hpp"
+#include "axode/scalar/index.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace axode {
-namespace {
-
-std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
-
-}  // namespace
+namespace {}  // namespace
 
 /// Linearises the mean forces of compliant contacts over the step in their gaps at its end (D11.26).
 void ContactStep::set_compliances(double h) {

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "axode/integration/momenta/contact_step_derivative.hpp"
+#include "axode/scalar/index.hpp"
 
 /// The part of ContactStepDerivative for the impulses at the end of a step and the removal of overlaps.
 namespace axode {
@@ -11,8 +12,6 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Joints = GroupDerivatives::Joints;
-
-std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 /// The index of the contact with a key in a list, or -1.
 int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {

@@ -1,6 +1,7 @@
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "axode/integration/momenta/contact_step_derivative.hpp"
+#include "axode/scalar/index.hpp"
 
 /// The part of ContactStepDerivative for momenta and for the free motion between the impulses of a step.
 namespace axode {
@@ -10,8 +11,6 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Joints = GroupDerivatives::Joints;
-
-std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 std::span<const double> entries(const Vector& x) { return {x.data(), index(x.size())}; }
 std::span<double> entries(RowMajor& x) { return {x.data(), index(x.size())}; }

@@ -9,8 +9,6 @@
 namespace axode {
 namespace {
 
-constexpr int upper = 1, lower = -1;
-
 /// The time at which a cubic that describes a gap in a step is least, as a part of the step. g_0 and g_1 are
 /// its values at both ends, and d_0 and d_1 its rates there, multiplied by the length of the step.
 double part_of_least(double g_0, double d_0, double g_1, double d_1) {
@@ -86,7 +84,7 @@ Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double
 double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   const double h = t_1 - now();
   for (std::size_t k = 0; k < plays_.size(); ++k)
-    for (const int side : {upper, lower}) {
+    for (const int side : {Plays::upper, Plays::lower}) {
       if (plays_.side(k) != 0) continue;
       const double g_0 = plays_.gap_to(k, side, as_span(q)), g_1 = plays_.gap_to(k, side, as_span(end.q)),
                    d_0 = -side * h * plays_.rate(k, as_span(v)),

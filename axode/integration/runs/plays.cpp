@@ -9,11 +9,6 @@
 #include "axode/model/building/placement.hpp"
 
 namespace axode {
-namespace {
-
-constexpr int upper = 1;
-
-}  // namespace
 
 Plays::Plays(const Model& model, bool stops)
     : model_(model), threshold_(model.description().contact.value_or(ContactDescription{}).threshold) {

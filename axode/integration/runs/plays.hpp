@@ -18,6 +18,7 @@ class Plays {
  public:
   using Span = std::span<const double>;
   using Events = std::vector<Trajectory::PlayEvent>;
+  static constexpr int upper = 1, lower = -1;  ///< the ends of a play
   /// Callback that makes the constraint equations of the motion anew, at the present configuration and time,
   /// after plays (backlash of couplings) have opened or closed: those of the loops, and those of plays at an
   /// end. Returns null if there are no such equations.

@@ -7,6 +7,7 @@
 #include "axode/integration/configuration_group.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/articulated_bodies.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode {
 
@@ -65,7 +66,6 @@ class PhaseSpace {
     explicit Kernels(Arena& arena)
         : lagrangian(arena), fast(arena), motion(arena.per_body<Fast::Motion>()), robust(arena) {}
   };
-  static std::size_t index(int c) { return static_cast<std::size_t>(c); }
   static std::size_t size(const Model& model) { return static_cast<std::size_t>(model.nv()); }
 
   const Tree<double>* tree_;
