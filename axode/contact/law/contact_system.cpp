@@ -23,7 +23,11 @@ ContactFrame turned(const ContactFrame& axes, const Vec3<>& n) noexcept {
 }
 
 ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t capacity, bool dry_friction)
-    : model_(model), contact_rows_(contact_rows), loops_(model), problem_(model.nv()) {
+    : model_(model),
+      contact_rows_(contact_rows),
+      loops_(model),
+      problem_(model.nv()),
+      armature_(tree().armature) {
   const Topology& topology = *tree().operator->();
   const std::size_t nv = index(model.nv()), bodies = index(model.n_bodies()) + 1;
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -71,7 +75,7 @@ void ContactSystem::poses(const double* q, SE3<>* C) noexcept {
 }
 
 Solvability ContactSystem::set(const double* q, std::span<const Contact> contacts, double h,
-                               double stop_margin) {
+                               double stop_margin, const double* resistance) {
   const auto follows = [](const Contact& contact) {
     return contact.surface.compliance && !contact.normal_impulse;
   };
@@ -81,7 +85,10 @@ Solvability ContactSystem::set(const double* q, std::span<const Contact> contact
   active_.clear();
   ends_of_path_ = {-1, -1};
   loops_.update_kinematics(q);
-  const Solvability verdict = loops_.factorize();
+  armature_ = tree().armature;
+  if (resistance)
+    for (std::size_t c = 0; c < armature_.size(); ++c) armature_[c] += resistance[c];
+  const Solvability verdict = loops_.factorize_with_armature(armature_.data());
   if (!verdict.ok()) return verdict;
   for (int i = 0; i <= model_.n_bodies(); ++i)
     loops_.bodies().each_pivot(
@@ -177,18 +184,41 @@ void ContactSystem::add_contact(const Contact& contact, int& compliance) {
                                                         surface.rolling_friction,
                                                         surface.rolling_friction};
   const std::size_t width = support_.size(), first = problem_.c.size() - index(contact_rows_);
-  for (std::size_t k = 0; k < index(contact_rows_); ++k, J += width, Y += width) {
+  const auto& bodies = loops_.bodies();
+  std::array<Wrench<Spatial>, LawBlock::most_rows> on_a, on_b;
+  for (std::size_t k = 0; k < index(contact_rows_); ++k, J += width) {
     problem_.c[first + k] = factors[k];
-    const Wrench<Spatial> on_a = at_root(contact.a, contact.point, rows[k]);
-    const Wrench<Spatial> on_b = at_root(contact.b, contact.point, rows[k]);
+    on_a[k] = at_root(contact.a, contact.point, rows[k]);
+    on_b[k] = at_root(contact.b, contact.point, rows[k]);
     for (const auto& [i, side] : path_) {
       if (side == 0) continue;
       for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
         const int c = topology.iv[i] + s - topology.first_screw[i];
-        J[place_[index(c)]] += side * ((side > 0 ? on_b : on_a) | loops_.bodies().S[s]);
+        J[place_[index(c)]] += side * ((side > 0 ? on_b : on_a)[k] | bodies.S[s]);
       }
     }
-    pull_row(contact.a, contact.b, on_a, on_b, unit_.data(), Y);
+  }
+  if (!topology.coupled_bodies.empty()) {
+    for (std::size_t k = 0; k < index(contact_rows_); ++k, Y += width)
+      pull_row(contact.a, contact.b, on_a[k], on_b[k], unit_.data(), Y);
+  } else {
+    // One sweep for all rows of the contact. The wrenches on b, which are opposite, add up where paths meet.
+    bool met = false;
+    for (std::size_t k = 0; k < index(contact_rows_); ++k) on_b[k] = -1.0 * on_b[k];
+    for (const auto& [i, side] : path_) {
+      for (std::size_t k = 0; side == 0 && !met && k < index(contact_rows_); ++k) on_b[k] += on_a[k];
+      met = met || side == 0;
+      auto& on_body = side < 0 ? on_a : on_b;
+      for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
+        const int c = topology.iv[i] + s - topology.first_screw[i];
+        double* entry = Y + place_[index(c)];
+        for (std::size_t k = 0; k < index(contact_rows_); ++k, entry += width) {
+          const double u = -(on_body[k] | bodies.S[s]);
+          on_body[k] += (u / bodies.D[s]) * bodies.U[s];
+          *entry = root_[index(c)] * u;
+        }
+      }
+    }
   }
   if (compliant) support_.pop_back();
 }

@@ -92,10 +92,12 @@ class ContactSystem {
 
   /// Factorises the mass matrix and makes all constraint rows at q. Of the hard stops only those nearer than
   /// `stop_margin` (rad or m) get rows. Afterwards the rows are in physical units; the impulse of a joint
-  /// with dry friction is bounded by its friction force times the step h. Allocates only if there are more
-  /// contacts than the capacity.
+  /// with dry friction is bounded by its friction force times the step h. `resistance` has an inertia for
+  /// each velocity that is added to the mass matrix, or is null. Allocates only if there are more contacts
+  /// than the capacity.
   Solvability set(const double* q, std::span<const Contact> contacts, double h,
-                  double stop_margin = std::numeric_limits<double>::infinity());
+                  double stop_margin = std::numeric_limits<double>::infinity(),
+                  const double* resistance = nullptr);
 
   /// The problem to find the impulses of the constraint rows. Once the rows have been made, the caller writes
   /// to it the terms r that are added to the velocities of the rows, and the motion w without impulses, and
@@ -174,7 +176,7 @@ class ContactSystem {
   std::vector<DryJoint> dry_;
   VelocityProblem problem_;
   std::vector<double> J_;  ///< entries of the Jacobian, with the layout of Y
-  std::vector<double> root_, room_, unit_, residual_, A_;
+  std::vector<double> root_, room_, unit_, residual_, A_, armature_;
   std::vector<char> residual_rows_;  ///< has_residual() of each row of the loops
   std::vector<Twist<Spatial>> V_;
   std::vector<Momentum<Spatial>> Pi_;
