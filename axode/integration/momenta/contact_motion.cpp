@@ -90,6 +90,7 @@ void ContactMotion::take_steps(const Tolerances& tolerances) {
   constexpr double first = 1e-3, least = 1e-9, order = 3;
   const double longest = tolerances.largest_step > 0 ? tolerances.largest_step : until_ / 50;
   if (length_ == 0) length_ = tolerances.first_step > 0 ? tolerances.first_step : first;
+  std::vector<Rejection> rejections;  // those whose ends have not been reached
   while (!run_.done()) {
     const double t = run_.now(), latest = run_.step_end(until_), rest = latest - t;
     const double h = std::min({length_, longest, rest});
@@ -104,11 +105,17 @@ void ContactMotion::take_steps(const Tolerances& tolerances) {
       return steps_.compute(middle, t_1, one.end, two);
     }();
     if (failure && (shortest || run_.interruption(t))) return run_.stop(failure);
-    const double error = failure
-                             ? std::numeric_limits<double>::infinity()
-                             : difference(whole, two, std::max(one.unresolved, two.unresolved), tolerances);
-    if (!(error <= 1) && !shortest) {
+    Difference found;
+    if (!failure)
+      found = difference(whole, two, std::max(one.unresolved, two.unresolved), t_1 - t, tolerances);
+    std::erase_if(rejections, [t](const Rejection& old) { return old.end <= t; });
+    const double error = found.of_all;
+    const bool undecided = found.of_places <= 1 && std::ranges::any_of(rejections, [&](const Rejection& old) {
+                             return old.h >= 100 * (t_1 - t) && error >= 0.25 * old.error;
+                           });
+    if (!(error <= 1) && !shortest && !undecided) {
       ++run_.trajectory.rejected;
+      if (std::isfinite(error)) rejections.push_back({t_1, t_1 - t, error});
       length_ = t_1 - t;
       length_ *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -1 / order)) : 0.1;
       continue;
@@ -139,30 +146,32 @@ Failure ContactMotion::take(double t_1, ComputedContactStep& step) {
   return {};
 }
 
-/// The error of a step as a multiple of the tolerances: the root mean square of the differences between the
-/// whole step and its halves or, if larger, `unresolved`, an error by slip that the differences do not show.
-double ContactMotion::difference(const ComputedContactStep& whole, const ComputedContactStep& halves,
-                                 double unresolved, const Tolerances& tolerances) {
+/// The errors of a step of length h: the root mean square of the differences between the whole step and its
+/// halves or, if larger, `unresolved`, an error by slip that the differences do not show.
+ContactMotion::Difference ContactMotion::difference(const ComputedContactStep& whole,
+                                                    const ComputedContactStep& halves, double unresolved,
+                                                    double h, const Tolerances& tolerances) {
   const StepEnd &one = whole.end, &two = halves.end;
   const auto nv = static_cast<std::size_t>(one.v.size());
-  if (nv == 0) return 0;
+  if (nv == 0) return {0, 0};
   const std::vector<double> d = axode::difference(model_, as_span(one.q), as_span(two.q)),
                             moved = axode::difference(model_, as_span(run_.q), as_span(two.q));
   const double relative = tolerances.relative, absolute = tolerances.absolute;
-  double squares = 0;
+  double squares = 0, of_places = 0;
   for (std::size_t c = 0; c < nv; ++c) {
     const auto k = static_cast<Eigen::Index>(c);
-    const double by_q = d[c] / (absolute + relative * std::max(1.0, std::abs(moved[c])));
-    const double v = std::max(std::abs(run_.v[k]), std::abs(two.v[k]));
-    const double by_v = (one.v[k] - two.v[k]) / (absolute + relative * v);
-    squares += by_q * by_q + by_v * by_v;
+    const double for_q = absolute + relative * std::max(1.0, std::abs(moved[c]));
+    const double v = std::max(std::abs(run_.v[k]), std::abs(two.v[k])), dv = one.v[k] - two.v[k];
+    squares += std::pow(d[c] / for_q, 2) + std::pow(dv / (absolute + relative * v), 2);
+    of_places += std::pow((std::abs(d[c]) + h * std::abs(dv)) / for_q, 2);
   }
   const DriveStates& drives = run_.drives();
   const auto size_of_x = drives.x.array().abs().max(two.x.array().abs());
-  squares +=
+  const double of_drives =
       ((one.x - two.x).array() / (absolute * drives.nominal().array() + relative * size_of_x)).square().sum();
-  const double n = static_cast<double>(2 * nv + drives.size());
-  return std::max(std::sqrt(squares / n), unresolved / (absolute + relative));
+  const double n = static_cast<double>(2 * nv + drives.size()), slip = unresolved / (absolute + relative);
+  return {std::max(std::sqrt((squares + of_drives) / n), slip),
+          std::max(std::sqrt((of_places + of_drives) / n), slip)};
 }
 
 }  // namespace axode

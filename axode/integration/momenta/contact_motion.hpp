@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -59,9 +60,11 @@ class ContactMotion {
   /// Takes equal steps from the present time until the end of the motion; the last one may be shorter.
   void take_steps(double step);
   /// Takes adaptive steps until the end of the motion: computes each step as a whole and in two halves, and
-  /// takes the halves if both agree; otherwise tries a shorter step. A step not longer than `least` times the
-  /// duration of the motion is always taken, because halves and whole may follow different solutions of the laws of
-  /// contact.
+  /// takes the halves if both agree; otherwise tries a shorter step. Where several contacts share an impact,
+  /// its outcome depends on when it takes place within a step, so that velocities do not agree however short
+  /// the step is. Such a step is taken if they do not agree much better than in a step that was a hundred times
+  /// longer, and if what they differ by moves nothing beyond the tolerances in the step. A step not longer than
+  /// 1e-9 of the duration of the motion is always taken.
   void take_steps(const Tolerances& tolerances);
   /// Lets a motion that has reached its end continue until a later time (s).
   void continue_until(double until);
@@ -69,10 +72,19 @@ class ContactMotion {
   ContactSimulationRun& run() { return run_; }
 
  private:
+  /// An attempt at a step whose halves did not agree with the whole.
+  struct Rejection {
+    double end = 0, h = 0, error = 0;
+  };
+  /// Errors of a step as multiples of the tolerances.
+  struct Difference {
+    double of_all = std::numeric_limits<double>::infinity();
+    double of_places = of_all;  ///< without those of velocities, but for what they move in the step
+  };
   StepEnd present() const { return {.q = run_.q, .v = run_.v, .x = run_.drives().x}; }
   Failure take(double t_1, ComputedContactStep& step);
-  double difference(const ComputedContactStep& whole, const ComputedContactStep& halves, double unresolved,
-                    const Tolerances& tolerances);
+  Difference difference(const ComputedContactStep& whole, const ComputedContactStep& halves,
+                        double unresolved, double h, const Tolerances& tolerances);
 
   Model model_;
   ContactShapes shapes_;
