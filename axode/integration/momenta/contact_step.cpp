@@ -10,7 +10,9 @@
 namespace axode {
 namespace {
 
-constexpr double accepted = 1e-9, precise = 1e-13;  // certificates
+// Certificates of steps that are accepted at all, of steps with rounding errors alone, and of solved
+// problems.
+constexpr double accepted = 1e-9, precise = 5e-13, of_solver = 1e-13;
 /// Contacts for which memory is reserved.
 constexpr std::size_t capacity = 64;
 
@@ -29,7 +31,8 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
       record_(finder_.shapes(), 2 * capacity),
       C_(index(model.n_bodies()) + 1),
       v_after_(model.nv()),
-      change_(model.nv()),
+      p_0_(model.nv()),
+      p_a_(model.nv()),
       q_part_(model.nq()),
       v_part_(model.nv()),
       nothing_(Vector::Zero(model.nv())) {
@@ -42,10 +45,12 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
     end->contacts.reserve(capacity);
     for (std::vector<double>* x : {&end->lambda, &end->u, &end->u_after}) x->reserve(rows);
   }
-  for (std::vector<double>* x : {&slip_, &openings_, &before_, &between_, &r_, &weights_}) x->reserve(rows);
+  for (std::vector<double>* x : {&slip_, &openings_, &before_, &between_, &r_, &weights_, &scratch_})
+    x->reserve(rows);
   for (std::vector<char>* x : {&slides_, &bounces_}) x->reserve(capacity + others);
   for (std::vector<Contact>* x : {&middle_, &found_}) x->reserve(capacity);
   remembered_.reserve(capacity);
+  forgotten_.reserve(capacity);
   secants_.reserve(rows);
   solver_.reserve(model.nv(), static_cast<int>(rows));
   for (int i = 0; i < shapes.size(); ++i)
@@ -77,7 +82,7 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
     record_.clear();
     for (int k = 0; k < parts; ++k) {
       if (Failure failure = attempt(t + k * h / parts, h / parts, q_part_, v_part_, x_part_)) return failure;
-      if (std::isnan(certificate))
+      if (!std::isfinite(certificate))
         return {t + k * h / parts,
                 "the impulses of contacts are not finite; reduce speeds, stiffnesses or masses"};
       worst = std::max(certificate, worst);
@@ -105,6 +110,7 @@ void ContactStep::restart() noexcept {
 
 void ContactStep::continue_from(const ContactStep& other) {
   remembered_ = other.remembered_;
+  h_of_remembered_ = other.h_of_remembered_;
   start_.lambda = other.start_.lambda;
   end_.lambda = other.end_.lambda;
   hard_ = other.hard_;
@@ -152,10 +158,16 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
   start_.system.poses(q_0.data(), C_.data());
   const double margin = finder_.shapes().margin() + reach(h, v_0);
   if (Failure failure = find(q_0, margin, start_.contacts, t)) return failure;
-  if (Failure failure = run_->checked(t, start_.system.set(q_0.data(), start_.contacts, h / 2)))
-    return failure;
+  constexpr double any_stop = std::numeric_limits<double>::infinity();
+  // Impulses then have about the same effect in the problem as in the free motion (D11.13a).
+  const Solvability verdict =
+      start_.system.set(q_0.data(), start_.contacts, h / 2, any_stop, run_->resistance(h));
+  if (Failure failure = run_->checked(t, verdict)) return failure;
+  start_.system.momenta(v_0.data(), p_0_.data());
+  run_->begin(t, h, q_0, v_0, x_0);
   if (start_.rows() == 0) {
-    if (Failure failure = run_->fly(t, h, q_0, v_0, x_0)) return failure;
+    if (Failure failure = run_->fly(p_0_, 0)) return failure;
+    if (Failure failure = run_->arrive(v_0)) return failure;
     q = run_->q_end;
     v = run_->v_end;
     run_->advance_drives(t, h, q_0, v_0, v, x_0, drive_states);
@@ -163,12 +175,12 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
     record_.locate({});
     return {};
   }
-  if (Failure failure = move(t, h, q_0, v_0, x_0, margin)) return failure;
+  if (Failure failure = move(t, h, q_0, v_0, margin)) return failure;
   keep_start(h, q_0, v_0, margin);
   unresolved = unresolved_slip(h);
   if (Failure failure = land(t, h)) return failure;
   run_->advance_drives(t, h, q_0, v_0, v, x_0, drive_states);
-  remember();
+  remember(h);
   record();
   return separate(t, h);
 }
@@ -186,25 +198,32 @@ void ContactStep::recall(End& end, std::size_t which) {
   for (std::size_t k = 0; k < end.contacts.size(); ++k)
     for (const Remembered& known : remembered_)
       if (known.key == end.contacts[k].key)
-        std::copy_n(known.lambda[which].begin(), width,
+        std::copy_n(known.guess[which].begin(), width,
                     lambda.begin() + static_cast<std::ptrdiff_t>(k * width));
   for (const VelocityProblem::Block& b : end.system.problem().blocks())
     if (b.law == ContactLaw::pressed) lambda[index(b.first)] = 0;
   end.lambda = lambda;
 }
 
-void ContactStep::remember() {
+void ContactStep::remember(double h) {
   const std::size_t width = index(start_.system.contact_rows());
+  remembered_.swap(forgotten_);
   remembered_.clear();
   for (std::size_t k = 0; k < start_.contacts.size(); ++k) {
-    Remembered known{start_.contacts[k].key, {}};
-    std::copy_n(start_.lambda.begin() + static_cast<std::ptrdiff_t>(k * width), width,
-                known.lambda[0].begin());
+    Remembered known{start_.contacts[k].key, {}, {}};
+    auto& [at_start, at_end] = known.guess;
+    std::copy_n(start_.lambda.begin() + static_cast<std::ptrdiff_t>(k * width), width, known.start.begin());
+    at_start = known.start;
+    const auto before = std::ranges::find(forgotten_, known.key, &Remembered::key);
+    if (h == h_of_remembered_ && before != forgotten_.end() && before->start[0] > 0 &&
+        2 * at_start[0] > before->start[0])
+      for (std::size_t row = 0; row < width; ++row) at_start[row] += at_start[row] - before->start[row];
     if (const Contact* same = with_key(end_.contacts, known.key, k))
       std::copy_n(end_.lambda.begin() + (same - end_.contacts.data()) * static_cast<std::ptrdiff_t>(width),
-                  width, known.lambda[1].begin());
+                  width, at_end.begin());
     remembered_.push_back(known);
   }
+  h_of_remembered_ = h;
 }
 
 void ContactStep::record() {
@@ -235,10 +254,9 @@ void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
   end.system.times(v_after.data(), end.u_after.data());
 }
 
-Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0,
-                          double margin) {
+Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, double margin) {
   constexpr int most = 25, first_fixed = 2, settled = 8, most_failed = 2, most_tangents = 6;
-  constexpr double rounding = 1e-13;
+  constexpr double nearly_precise = 1e-11;
   VelocityProblem& problem = start_.system.problem();
   ContactSystem& system = start_.system;
   start_.u.resize(start_.rows());
@@ -256,20 +274,17 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     bounces_.push_back(e > 0 && u < -threshold);  // if it is closed at the end of the step
   }
   // Sets w to about the free velocities in the middle, which are the size of the problem.
-  start_.x.setZero(problem.nv());
-  system.momenta(v_0.data(), start_.x.data());
   system.bias_forces(q_0.data(), nothing_.data(), {}, start_.v.data());
-  start_.x.head(start_.v.size()) -= h / 2 * start_.v;
-  system.pull(start_.x.data(), problem.w.data());
+  start_.v = p_0_ - h / 2 * start_.v;
+  system.pull(start_.v.data(), problem.w.data());
   problem.finish();
   recall(start_, 0);
   int failed = 0;
-  double part = 0, least = std::numeric_limits<double>::infinity(), least_error = least;
-  for (int k = 0; k < most; ++k) {
+  double least_error = std::numeric_limits<double>::infinity(), enough = 1e-4;
+  for (int k = 0;; ++k) {
     if (k > first_fixed || hard_)
       if (Failure failure = run_->interruption(t)) return failure;
-    apply(start_, v_0, v_after_);
-    if (Failure failure = run_->fly(t, h, q_0, v_after_, x_0)) return failure;
+    if (Failure failure = fly(enough)) return failure;
     if (Failure failure = find(run_->q_middle, margin, middle_, t)) return failure;
     end_.system.move_bodies(run_->v_middle.data());
     for (std::size_t c = 0; c < start_.contacts.size(); ++c) {
@@ -285,45 +300,55 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
       set_compliances(h);
       weights_.clear();
       for (const double d2 : problem.squared_scales()) weights_.push_back(1 / std::sqrt(d2));
+    }
+    const bool chosen = set_r_of_start(h, k < first_fixed);
+    certificate = law_error();
+    if (certificate <= rounding_error(h)) certificate = std::min(certificate, precise);
+    const bool stalled = certificate >= 0.5 * least_error;
+    if (certificate <= precise || k >= most || failed == most_failed ||
+        (stalled && k >= first_fixed && certificate <= (k > settled ? accepted : nearly_precise))) {
+      if (run_->is_exact()) return run_->arrive(v_0);
+      enough = 0;
+      continue;
+    }
+    least_error = std::min(least_error, certificate);
+    enough = 1e-5 * certificate;
+    if (tangents || chosen)
       secants_.restart();
-    }
-    set_r_of_start(h, k < first_fixed);
-    if (k > settled) {
-      const double e = law_error();
-      if (e <= accepted && e >= 0.5 * least_error) {
-        certificate = e;
-        return {};
-      }
-      least_error = std::min(least_error, e);
-    }
-    if (!tangents) secants_.update(r_, weights_, problem.r);
+    else
+      secants_.update(r_, weights_, problem.r);
     r_ = problem.r;
-    before_ = start_.lambda;
-    if (Failure failure = solve(t, problem, start_.lambda, precise, certificate)) return failure;
-    failed = certificate <= accepted ? 0 : failed + 1;
-    if (failed == most_failed) break;
-    change_.setZero(problem.nv());
-    problem.add_product(1, start_.lambda.data(), change_.data());
-    const double size = problem.w.norm() + change_.norm();
-    problem.add_product(-1, before_.data(), change_.data());
-    const double change = change_.norm();
-    if (k >= first_fixed && (change <= rounding * size || (change >= 0.5 * least && change <= 1e-9 * size))) {
-      start_.lambda = before_;  // those of the last free motion
-      return {};
-    }
-    least = std::min(least, change);
-    part = size > 0 ? change / size : 0;
+    double e = 0;
+    if (Failure failure = solve(t, problem, start_.lambda, of_solver, e)) return failure;
+    failed = e <= accepted ? 0 : failed + 1;
   }
-  certificate = std::max(certificate, part);
-  apply(start_, v_0, v_after_);
-  if (Failure failure = run_->fly(t, h, q_0, v_after_, x_0)) return failure;
-  return find(run_->q_end, margin, found_, t + h);
+}
+
+/// Computes the free motion after the impulses at the start of the step, see ContactSimulationRun::fly().
+Failure ContactStep::fly(double enough) {
+  const VelocityProblem& problem = start_.system.problem();
+  for (std::size_t k = 0; k < start_.rows(); ++k) start_.u_after[k] = problem.c[k] * start_.lambda[k];
+  p_a_ = p_0_;
+  start_.system.add_transposed_times(start_.u_after.data(), p_a_.data());
+  return run_->fly(p_a_, enough);
 }
 
 double ContactStep::law_error() {
   const VelocityProblem& problem = start_.system.problem();
   scratch_.resize(2 * index(problem.rows()) + index(problem.nv()));
   return axode::certificate(problem, start_.lambda.data(), scratch_.data());
+}
+
+/// The part of law_error() that rounding errors of places may cause, from which velocities over a step
+/// follow.
+double ContactStep::rounding_error(double h) const {
+  const double size = start_.system.problem().w.norm() + start_.x.norm();
+  if (!(size > 0)) return 0;
+  double place = 0, weights = 0;
+  for (const Contact& contact : start_.contacts) place = std::max(place, norm(contact.point));
+  for (const double weight : weights_) weights += weight * weight;
+  constexpr double resolution = 4 * std::numeric_limits<double>::epsilon();
+  return resolution * (place + size_) / h * std::sqrt(weights) / size;
 }
 
 /// Selects for end_.contacts those of found_ that are closed or had an impulse at the start.
@@ -368,17 +393,22 @@ Failure ContactStep::land(double t, double h) {
     apply(end_, run_->v_end, v);
     constexpr double rounding = 1e-12;
     keep_end(bounciness);
-    if (!any_bounces || work() <= rounding * problem.w.squaredNorm()) break;
+    if (!any_bounces) break;
+    double sum = 0;
+    if (Failure failure = work(t, sum)) return failure;
+    if (sum <= rounding * problem.w.squaredNorm()) break;
   }
   touched = true;
   return {};
 }
 
-/// The work of all impulses of the step, each by the mean of the velocities before and after it. The impulses
-/// of prescribed motions count without their drives' work, which is that at the prescribed velocities.
-double ContactStep::work() {
-  double sum = 0;
+/// Computes the work of all impulses of the step, each by the mean of the velocities before and after it. The
+/// impulses of prescribed motions count without their drives' work, which is that at the prescribed
+/// velocities.
+Failure ContactStep::work(double t, double& sum) {
+  sum = 0;
   between_.resize(start_.rows());
+  if (Failure failure = run_->velocity(t, q_part_, p_a_, v_after_)) return failure;
   start_.system.times(v_after_.data(), between_.data());
   const auto add = [&](const End& end, const std::vector<double>& after) {
     for (const VelocityProblem::Block& b : end.system.problem().blocks()) {
@@ -394,7 +424,7 @@ double ContactStep::work() {
   };
   add(start_, between_);
   add(end_, end_.u_after);
-  return sum;
+  return {};
 }
 
 Failure ContactStep::separate(double t, double h) {

@@ -38,9 +38,8 @@ class ContactStep {
 
   Vector q, v, drive_states;  ///< state at the end of the step
   /// The relative error of the laws of contact in the step: the velocities that the error of the impulses
-  /// causes, divided by all velocities, both measured by √(vᵀ M v) with the mass matrix M. If the iteration
-  /// for the impulses at the start of the step does not converge, it is at least their relative change in the
-  /// last iteration.
+  /// causes, divided by all velocities, both measured by √(vᵀ M v) with the mass matrix M. Rounding errors of
+  /// places do not count.
   double certificate = 0;
   bool touched = false;  ///< whether an impulse acted
   /// The displacement (m) by which the end of the step may be wrong because a contact began to stick in it.
@@ -70,26 +69,31 @@ class ContactStep {
       system.prescribe(rows);
     }
   };
-  /// Multipliers of a contact at the start and at the end of a step, first guesses for the next step.
+  /// First guesses for the multipliers of a contact at the start and at the end of the next step: those of a
+  /// step or, at the start, their extrapolation from two steps; and those at the start of the last step.
   struct Remembered {
+    using Multipliers = std::array<double, LawBlock::most_rows>;
     std::uint64_t key;
-    std::array<std::array<double, LawBlock::most_rows>, 2> lambda;
+    std::array<Multipliers, 2> guess;
+    Multipliers start;
   };
 
   Failure attempt(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0);
   Failure find(const Vector& q, double margin, std::vector<Contact>& contacts, double t);
   double reach(double h, const Vector& v_0);
   /// Iterates for the impulses at the start of the step and the free motion after them.
-  Failure move(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0, double margin);
+  Failure move(double t, double h, const Vector& q_0, const Vector& v_0, double margin);
+  Failure fly(double enough);
   /// The residual of the laws of contact for the impulses at the start of the step, after the last iteration.
   /// It becomes small even where friction leaves the impulses badly determined.
   double law_error();
+  double rounding_error(double h) const;
   void set_compliances(double h);
   double unresolved_slip(double h) const;
   /// Sets the right sides of the contact problem at the start of the step from the gaps and velocities that
   /// the motion without contact led to in the last iteration. If `choose` is true, also decides which
-  /// contacts slide.
-  void set_r_of_start(double h, bool choose);
+  /// contacts slide, and returns whether this decision changed.
+  bool set_r_of_start(double h, bool choose);
   /// Finds the impulses at the end of the free motion, and the state after them.
   Failure land(double t, double h);
   void set_r_of_end(double bounciness);
@@ -104,11 +108,11 @@ class ContactStep {
   Failure solve(double t, const VelocityProblem& problem, std::vector<double>& lambda, double tolerance,
                 double& e);
   void apply(End& end, const Vector& v, Vector& v_after);
-  double work();
+  Failure work(double t, double& sum);
   void keep_start(double h, const Vector& q_0, const Vector& v_0, double margin);
   void keep_end(double bounciness);
   void recall(End& end, std::size_t which);
-  void remember();
+  void remember(double h);
   void record();  ///< adds the points and impulses of an attempt to record_
   static const Contact* with_key(const std::vector<Contact>& contacts, std::uint64_t key, std::size_t hint);
 
@@ -126,15 +130,17 @@ class ContactStep {
   std::vector<double> slip_;      ///< contact velocities in the middle, in the axes of the start
   std::vector<char> slides_;      ///< for contacts at the start: friction opposes the mean velocity
   std::vector<double> openings_;  ///< residual of each loop row, m or rad
-  std::vector<Remembered> remembered_;
+  std::vector<Remembered> remembered_, forgotten_;
   std::vector<char> bounces_;  ///< whether contacts, and then stops, at the start bounce
-  Vector v_after_, change_, q_part_, v_part_, x_part_, nothing_;
-  std::vector<double> before_;   ///< multipliers of the last iteration, or before recall()
+  Vector v_after_, p_0_, p_a_, q_part_, v_part_, x_part_, nothing_;  ///< p_0_, p_a_: momenta before and
+                                                                     ///< after the impulses at the start
+  std::vector<double> before_;                                       ///< multipliers before recall()
   std::vector<double> r_;        ///< right sides of the last problem at the start
   std::vector<double> weights_;  ///< 1/d for the scale d of each row at the start
   Multisecant secants_;          ///< acceleration of the iteration of r_
   std::vector<double> scratch_;  ///< memory for law_error()
   std::vector<double> between_;  ///< row velocities after the first impulses; multipliers
+  double h_of_remembered_ = 0;   ///< step in which the remembered multipliers acted
   bool hard_ = false;            ///< whether the solver had to start again in the last problem
   Failure interruption_ = {};    ///< by the monitor, in the last problem
 };

@@ -25,16 +25,19 @@ void ContactStep::set_compliances(double h) {
   }
 }
 
-void ContactStep::set_r_of_start(double h, bool choose) {
+bool ContactStep::set_r_of_start(double h, bool choose) {
   ContactSystem& system = start_.system;
   VelocityProblem& problem = system.problem();
-  // Velocities of the rows as the linear problem has them.
+  // Velocities of the scaled rows as the linear problem has them.
   start_.x = problem.w;
   problem.add_product(1, start_.lambda.data(), start_.x.data());
-  system.push(start_.x.data(), start_.v.data());
   std::vector<double>& u = start_.u_after;
-  system.times(start_.v.data(), u.data());
-  const auto set = [&](std::size_t row, double r) { problem.r[row] = problem.c[row] * r; };
+  std::ranges::fill(u, 0.0);
+  problem.add_transposed(start_.x.data(), u.data());
+  bool changed = false;
+  const auto set = [&](std::size_t row, double velocity, bool less_u = true) {
+    problem.r[row] = problem.c[row] * velocity - (less_u ? u[row] : 0);
+  };
   const std::size_t n = start_.contacts.size();
   for (std::size_t k = 0; k < n; ++k) {
     const Contact& contact = start_.contacts[k];
@@ -45,32 +48,38 @@ void ContactStep::set_r_of_start(double h, bool choose) {
     if (contact.surface.compliance) {
       const double force = mean_force(contact.surface.compliance, contact.gap, gap, h).force;
       const double open = force > 0 ? 0 : std::max(gap, 0.0);
-      set(row, open / h - problem.compliance(b) * (h / 2) * force - u[row]);
+      const double C = problem.compliance(b);  // C λ is part of u
+      set(row, open / h + C * (start_.lambda[row] - h / 2 * force));
     } else {
-      set(row, (gap - std::min(contact.gap, 0.0)) / h - u[row]);
+      set(row, (gap - std::min(contact.gap, 0.0)) / h);
     }
     double before = 0, change = 0;
     for (std::size_t i = row + 1; i < row + index(b.rows); ++i) {
       before += std::pow(problem.c[i] * start_.u[i], 2);
       change += std::pow(problem.c[i] * (slip_[i] - start_.u[i]), 2);
     }
-    if (choose) slides_[k] = start_.lambda[row] > 0 && change < before / 4;
+    if (choose) {
+      const char slides = start_.lambda[row] > 0 && change < before / 4;
+      changed = changed || slides != slides_[k];
+      slides_[k] = slides;
+    }
     for (std::size_t i = row + 1; i < row + index(b.rows); ++i)
-      set(i, slip_[i] - u[i] + (slides_[k] ? start_.u[i] : 0));
+      set(i, slip_[i] + (slides_[k] ? start_.u[i] : 0));
   }
   const auto blocks = problem.blocks();
   for (std::size_t k = 0; k < system.active_stops().size(); ++k) {
     const JointStop& stop = system.stops()[index(system.active_stops()[k])];
     const std::size_t row = index(blocks[n + k].first);
     const double room = stop.side * (run_->q_end[stop.coordinate] - stop.limit);
-    set(row, (room - std::min(system.room()[n + k], 0.0)) / h - u[row]);
+    set(row, (room - std::min(system.room()[n + k], 0.0)) / h);
   }
   const std::size_t first = index(system.first_loop_row());
   for (std::size_t k = first - system.dry_joints().size(); k < first; ++k)
-    set(k, run_->v_middle[system.dry_joints()[k + system.dry_joints().size() - first].velocity] - u[k]);
+    set(k, run_->v_middle[system.dry_joints()[k + system.dry_joints().size() - first].velocity]);
   end_.system.loop_openings(run_->q_end.data(), openings_.data());
   for (std::size_t k = first; k < problem.r.size(); ++k)
-    if (problem.moves(k)) set(k, openings_[k - first] / h - (system.has_residual(k) ? u[k] : 0));
+    if (problem.moves(k)) set(k, openings_[k - first] / h, system.has_residual(k));
+  return changed;
 }
 
 /// The largest displacement (m) by which the end of the step may be wrong because a contact began to stick at

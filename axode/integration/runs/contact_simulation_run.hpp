@@ -13,20 +13,17 @@ class ContactSimulationRun : public MomentumSimulationRun {
   ContactSimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options,
                        bool damping)
       : MomentumSimulationRun(model, q_0, v_0, until, options, damping),
-        midpoint_(*this, model.tree<double>()),
-        q_0_(model.nq()),
-        p_(model.nv()),
-        y_(model.nv()),
-        v_0_(model.nv()),
-        change_(model.nv()) {
-    for (Vector* x : {&q_end, &q_middle, &q_t_}) x->resize(model.nq());
-    for (Vector* x : {&v_end, &v_middle, &v_t_}) x->resize(model.nv());
+        midpoint_(*this, model.tree<double>()) {
+    for (Vector* x : {&q_end, &q_middle, &q_t_, &q_0_, &q_moving_}) x->resize(model.nq());
+    for (Vector* x : {&v_end, &v_middle, &v_t_, &p_0_, &y_, &p_before_, &p_end_, &change_})
+      x->resize(model.nv());
   }
 
   /// Begins another motion at time t, at (q_0, v_0). If x_0 is empty, the drives choose their states.
   void restart(double t, Span q_0, Span v_0, Span x_0) {
     drives_.start(t, q_0, v_0, x_0);
-    h_ = 0;
+    midpoint_.forget_matrix();
+    h_of_change_ = 0;
     short_steps_ = 0;
     move_to(t, q_0, v_0, drives_.x);
   }
@@ -39,12 +36,14 @@ class ContactSimulationRun : public MomentumSimulationRun {
     drives_.x = x_1;
     trajectory.append(t, q_1, v_1, as_span(a), as_span(tau_), as_span(drives_.x), as_span(drives_.dx));
   }
-  /// Takes the present state of another motion of the same mechanism, and its first guess of the next step.
+  /// Takes the present state of another motion of the same mechanism, and its matrix and first guess for the
+  /// next step.
   void continue_from(const ContactSimulationRun& other) {
     a = other.a;
     drives_ = other.drives_;
     move_to(other.now(), as_span(other.q), as_span(other.v), other.drives_.x);
-    h_ = other.h_;
+    midpoint_.continue_from(other.midpoint_);
+    h_of_change_ = other.h_of_change_;
     change_ = other.change_;
   }
 
@@ -76,45 +75,74 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {t, "contacts, stops or loops block the prescribed motion of " + moved};
   }
 
-  /// Computes the free motion from (q_0, v_0), with the states x_0 of the drives, at time t over a step of
-  /// length h by the midpoint rule (D8.5). Momenta of floating bases are exact to rounding under gravity.
-  /// Writes the state at the end to q_end and v_end, and the configuration and velocities in the middle to
-  /// q_middle and v_middle.
-  Failure fly(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0) {
-    FloatingBases& bases = this->bases();
-    bases.restart(t, q_0.data(), v_0.data(), is_loaded());
+  /// The inertia that springs, dampers and drives seem to add to each velocity in steps of length h, as far
+  /// as it was needed in the last step, or null.
+  const double* resistance(double h) const { return midpoint_.resistance(h); }
+
+  /// Begins a step of length h at time t, from the state (q_0, v_0) before impulses and the states x_0 of the
+  /// drives.
+  void begin(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0) {
+    t_ = t;
     q_0_ = q_0;
-    v_0_ = v_0;
-    bases.to_moving_frame(t, q_0_.data(), v_0_.data());
-    if (Failure failure = check_finite(t, q_0_, v_0_)) return failure;
-    momenta(model_, workspace_, Span(as_span(q_0_)), as_span(v_0_), as_span(p_));
-    y_ = p_;
-    bases.begin(q_0_.data(), y_.data());
-    bases.to_momenta(q_0_.data(), y_.data(), p_.data());
-    // The change of the velocities up to the middle is about that of the last motion of this length.
-    midpoint_.v = v_0_;
-    if (h == h_) midpoint_.v += change_;
-    h_ = 0;
+    bases().place(t, q_0.data());
     drives_.begin_midpoint_step(h, x_0);
-    if (Failure failure = midpoint_.run(t, h, q_0_, p_)) return failure;
+    // The change of the velocities up to the middle is about that of the last step of this length.
+    v_middle = v_0;
+    if (h == h_of_change_) v_middle += change_;
+    h_of_change_ = 0;
     h_ = h;
-    change_ = midpoint_.v - v_0_;
-    q_end = midpoint_.q;
-    p_ = midpoint_.p;
-    bases.advance(midpoint_.q_middle.data(), h, pushes_bases(), midpoint_.f.data(), y_.data());
-    bases.restore_centers(q_end.data());
-    bases.to_momenta(q_end.data(), y_.data(), p_.data());
-    if (Failure failure = velocity(t + h, q_end, p_, v_end)) return failure;
-    bases.from_moving_frame(t + h, q_end.data(), v_end.data());
+    flown_ = false;
+    midpoint_.renew_matrix();
+  }
+  /// Computes the free motion of the step from the joint momenta p_a = M(q_0) v_a after impulses by the
+  /// midpoint rule (D8.5). Writes the configuration and velocities in the middle to q_middle and v_middle,
+  /// and the configuration at the end to q_end. Later motions of a step begin with the result of the one
+  /// before. Velocities may have the error `enough`, in parts of their magnitude; is_exact() says whether
+  /// this is a rounding error.
+  Failure fly(const Vector& p_a, double enough) {
+    FloatingBases& bases = this->bases();
+    p_before_.swap(p_0_);
+    p_0_ = p_a;
+    bases.start(is_loaded(), p_0_.data());
+    y_ = p_0_;
+    bases.begin(q_0_.data(), y_.data());
+    bases.to_momenta(q_0_.data(), y_.data(), p_0_.data());
+    if (flown_) {
+      p_before_ = p_0_ - p_before_;
+      midpoint_.follow(p_before_);
+    } else {
+      midpoint_.v = v_middle;
+      q_middle = q_0_;
+      bases.to_moving_frame(t_ + h_ / 2, q_middle.data(), midpoint_.v.data());
+    }
+    if (Failure failure = midpoint_.run_again(t_, h_, q_0_, p_0_, enough)) return failure;
+    flown_ = true;
     q_middle = midpoint_.q_middle;
     v_middle = midpoint_.v;
-    bases.from_moving_frame(t + h / 2, q_middle.data(), v_middle.data());
+    bases.from_moving_frame(t_ + h_ / 2, q_middle.data(), v_middle.data());
+    p_end_ = midpoint_.p;
+    bases.advance(midpoint_.q_middle.data(), h_, pushes_bases(), midpoint_.f.data(), y_.data());
+    q_moving_ = midpoint_.q;
+    bases.restore_centers(q_moving_.data());
+    q_end = q_moving_;
+    bases.from_moving_frame(t_ + h_, q_end.data());
+    return {};
+  }
+  bool is_exact() const { return midpoint_.is_exact(); }
+  /// Computes the velocities v_end at the end of the last motion of the step. Momenta of floating bases are
+  /// exact to rounding under gravity. v_0 are the velocities of begin().
+  Failure arrive(const Vector& v_0) {
+    FloatingBases& bases = this->bases();
+    change_ = v_middle - v_0;
+    h_of_change_ = h_;
+    bases.to_momenta(q_moving_.data(), y_.data(), p_end_.data());
+    if (Failure failure = velocity(t_ + h_, q_moving_, p_end_, v_end)) return failure;
+    bases.from_moving_frame(t_ + h_, q_moving_.data(), v_end.data());
     return {};
   }
 
-  /// Computes the states x of the drives at the end of the last motion without impulses that was computed, by
-  /// (D17.7b). It began at time t at q_0 with the states x_0. v_0 and v_1 are the velocities before and after
-  /// all impulses.
+  /// Computes the states x of the drives at the end of the last step of begin(), which began at time t at q_0
+  /// with the states x_0, by (D17.7b). v_0 and v_1 are the velocities before and after all impulses.
   void advance_drives(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& v_1,
                       const Vector& x_0, Vector& x) {
     if (drives_.empty()) return;
@@ -136,12 +164,14 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return record(t, std::move(end));
   }
 
-  Vector q_end, v_end, q_middle, v_middle;  ///< results of fly()
+  Vector q_end, v_end, q_middle, v_middle;  ///< results of fly() and arrive()
 
  private:
   Midpoint<ContactSimulationRun> midpoint_;
-  Vector q_0_, p_, y_, v_0_, change_, v_last_;
-  double h_ = 0;  ///< length of the motion in which v changed by change_; 0: none
+  Vector q_0_, p_0_, q_moving_, y_, p_before_, p_end_, v_last_;
+  Vector change_;  ///< of the velocities, up to the middle of the last step
+  double t_ = 0, h_ = 0, h_of_change_ = 0;
+  bool flown_ = false;  ///< whether fly() has been called in the step
 };
 
 }  // namespace axode

@@ -20,6 +20,7 @@ class FloatingBases {
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
       : tree_(&model.tree<double>()),
         kernel_(model.topology()),
+        ends_(model.topology()),
         momenta_(model.topology()),
         gravity_(size((*tree_)->n + 1), tree_->g) {
     kernel_->run(*tree_, q);
@@ -34,13 +35,29 @@ class FloatingBases {
   }
   /// Lets the moving frames coincide with the inertial frame at time t. wrenches: whether wrenches act.
   void restart(double t, const double* q, const double* v, bool wrenches) {
+    place(t, q);
+    momenta_->run(*kernel_, v);
+    for (Root& root : roots_) set_frame(root, momenta_->Pi[root.body].p, wrenches);
+  }
+  /// Lets the places of the moving frames be those of the inertial frame at time t, where the configuration
+  /// is q. start() gives them their velocities.
+  void place(double t, const double* q) {
     begin_ = t;
     kernel_->run(*tree_, q);
-    momenta_->run(*kernel_, v);
+    for (Root& root : roots_) root.center = center(root.body);
+  }
+  /// Gives the moving frames the velocities that belong to the joint momenta p = M v at the configuration of
+  /// the last place(), and converts p from the inertial frame to the moving frames. wrenches: whether
+  /// wrenches act. May be called again.
+  void start(bool wrenches, double* p) {
     for (Root& root : roots_) {
-      root.constant = !wrenches;
-      root.center = center(root.body);
-      root.u = wrenches ? Vec3<>{} : (1 / kernel_->M[root.body].m) * momenta_->Pi[root.body].p;
+      set_frame(root, kernel_->link[root.body].C.R * read<BodyFixed>(root, p).f, wrenches);
+      if (!root.constant) continue;
+      const Twist<Spatial> U{{}, root.u};
+      for (int i = root.body; i < (*tree_)->subtree_end[root.body]; ++i) {
+        const Momentum<Spatial> of_frame = kernel_->M[i] * U;
+        kernel_->each_screw(i, [&](int c, const Twist<Spatial>& J) { p[c] -= of_frame | J; });
+      }
     }
   }
   /// The gravity (m/s²) that acts on each root body and its subtree, indexed by bodies: 0 for floating bases.
@@ -61,6 +78,8 @@ class FloatingBases {
   /// that move with the bases; from_moving_frame() converts them back.
   void to_moving_frame(double t, double* q, double* v) const { add(-1, t, q, v); }
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
+  /// Converts q alone from the moving frames to the inertial frame.
+  void from_moving_frame(double t, double* q) const { displace(1, t - begin_, q); }
 
   // In the functions begin() to restore_centers(), q, p and y are relative to the moving frames.
   /// Converts the states of the floating bases in y from joint momenta to spatial momenta.
@@ -88,12 +107,18 @@ class FloatingBases {
     for (const Root& root : roots_)
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
-  /// Moves bases so that centres of mass that rest in moving frames have no rounding errors.
+  /// Moves bases so that centres of mass that rest in moving frames have no errors.
   void restore_centers(double* q) {
     if (std::ranges::none_of(roots_, &Root::constant)) return;
-    kernel_->run(*tree_, q);
-    for (const Root& root : roots_)
-      if (root.constant) move(root, root.center - center(root.body), q);
+    ends_->run(*tree_, q);
+    for (const Root& root : roots_) {
+      if (!root.constant) continue;
+      Vec3<> h;  // about the origin of the base
+      for (int i = root.body; i < (*tree_)->subtree_end[root.body]; ++i)
+        h += ends_->link[i].C.R * tree_->M[i].h + tree_->M[i].m * ends_->link[i].C.r;
+      const Vec3<> c = ends_->origin[root.body] + (1 / kernel_->M[root.body].m) * h;
+      move(root, root.center - c, q);
+    }
   }
 
  private:
@@ -124,6 +149,10 @@ class FloatingBases {
     return std::ranges::any_of(model.loops().joints, leaves) ||
            std::ranges::any_of(model.loops().couplings, binds);
   }
+  void set_frame(Root& root, const Vec3<>& momentum, bool wrenches) {
+    root.constant = !wrenches;
+    root.u = wrenches ? Vec3<>{} : (1 / kernel_->M[root.body].m) * momentum;
+  }
   /// The centre of mass of the subtree of body i, at the configuration of the kernel.
   Vec3<> center(int i) {
     const Inertia<>& M = kernel_->M[i];
@@ -147,8 +176,11 @@ class FloatingBases {
       linear[0] += sign * u.x;
       linear[1] += sign * u.y;
       linear[2] += sign * u.z;
-      move(root, (sign * t) * (root.u + (0.5 * t) * tree_->g), q);
     }
+    displace(sign, t, q);
+  }
+  void displace(double sign, double t, double* q) const {
+    for (const Root& root : roots_) move(root, (sign * t) * (root.u + (0.5 * t) * tree_->g), q);
   }
   template <class Rep> Wrench<Rep> read(const Root& root, const double* y) const {
     const double* x = y + first(root);
@@ -161,6 +193,7 @@ class FloatingBases {
 
   const Tree<double>* tree_;
   WithScratch<double, SpatialTree<double>> kernel_;
+  WithScratch<double, BodyLinks<Spatial, double>> ends_;
   WithScratch<double, SubtreeMomenta<double>> momenta_;
   double begin_ = 0;  ///< time at which moving and inertial frames coincide, s
   std::vector<Vec3<>> gravity_;

@@ -48,17 +48,74 @@ template <class System> class Midpoint {
   /// Computes the step from (q0, p0) at time t over h, which may be negative; v must contain a first guess.
   /// The results are in the public members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
+    matrix_in_use_ = MatrixKind::none;
+    return iterate(t, h, q0, p0, 0, 0.5);
+  }
+  /// Like run(), but begins with the matrix of the last run if that had the same h, and computes another one
+  /// if the residual does not fall to a tenth in an iteration. The iteration ends when the change of v is
+  /// less than `enough` times the magnitude of the velocities; is_exact() says whether it is a rounding
+  /// error.
+  Failure run_again(double t, double h, const Vector& q0, const Vector& p0, double enough) {
+    if (h != h_) matrix_in_use_ = MatrixKind::none;
+    h_ = h;
+    return iterate(t, h, q0, p0, enough, 0.1);
+  }
+  bool is_exact() const { return exact_; }
+  /// Begins a step: lets the next run compute Newton's matrix anew if the iteration was slow with it, and
+  /// forgets the matrix of the masses, because the System may have factorised another one.
+  void renew_matrix() noexcept {
+    renew_ = slowest_ > 0.02;
+    if (matrix_in_use_ == MatrixKind::masses) matrix_in_use_ = MatrixKind::none;
+  }
+  /// Takes the matrix of another motion of the same mechanism.
+  void continue_from(const Midpoint& other) {
+    matrix_in_use_ = other.matrix_in_use_;
+    h_ = other.h_;
+    slowest_ = other.slowest_;
+    if (matrix_in_use_ == MatrixKind::newton) matrix_.continue_from(other.matrix_);
+  }
+  /// Forgets the matrix of earlier runs.
+  void forget_matrix() noexcept { matrix_in_use_ = MatrixKind::none; }
+  /// Changes v by about as much as the solution changes if p0 changes by dp, which is lost. Requires a run.
+  void follow(Vector& dp) {
+    solve(dp);
+    v += dp;
+  }
+  /// The inertia that springs, dampers and drives seem to add to each velocity in a step of length h, or null
+  /// if Newton's matrix was not needed in the last run or this had another length.
+  const double* resistance(double h) const {
+    return matrix_in_use_ == MatrixKind::newton && h == h_ ? matrix_.resistance().data() : nullptr;
+  }
+
+  Vector q, q_middle, p, v, f;  ///< results of run(): q and p at the end of the step; q_middle, v and f in
+                                ///< its middle
+
+ private:
+  enum class MatrixKind { none, masses, newton };
+
+  /// Another matrix is computed if the residual does not fall to the part `least` in an iteration, or, for a
+  /// matrix of this run, to a half. (The matrix of the masses is then replaced by Newton's.)
+  Failure iterate(double t, double h, const Vector& q0, const Vector& p0, double enough, double least) {
     constexpr int most = 60;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     const EnergyNorm& norm = system_->norm();
     const double terms = norm.of_forces(p0);
-    bool newton = false;
-    double before = std::numeric_limits<double>::infinity(), scale = 0;
+    const bool renew = renew_ && matrix_in_use_ == MatrixKind::newton;
+    renew_ = false;
+    slowest_ = 0;
+    double before = infinity, scale = 0;
     for (int iteration = 0; iteration < most; ++iteration) {
       y_ = h / 2 * v;
       group_.move(q0, y_, q_middle);
-      if (iteration == 0)
+      if (matrix_in_use_ == MatrixKind::none) {
         if (Failure failure = system_->factorize(t + h / 2, q_middle)) return failure;
+        matrix_in_use_ = MatrixKind::masses;
+      }
       if (Failure failure = system_->partials(t + h / 2, q_middle, v, momenta_, f)) return failure;
+      if (iteration == 0 && renew) {
+        compute_matrix(t, h, q0);
+        least = 0.5;
+      }
       group_.Ad_transpose(y_, p0, p);
       p += h * f;
       r_ = (p0 + p) / 2;
@@ -66,15 +123,13 @@ template <class System> class Midpoint {
       r_ = momenta_ - r_;
       if (iteration == 0) scale = system_->velocity_scale(v, h);
       const double residual = norm.of_forces(r_);
-      if (newton)
-        matrix_.solve(r_);
-      else
-        system_->solve(r_);
+      solve(r_);
       v -= r_;
-      const bool slow = !(residual < 0.5 * before);
+      const bool newton = matrix_in_use_ == MatrixKind::newton, slow = !(residual < least * before);
       const double change = norm.of_velocities(r_);
-      if (change <= 1e-13 * scale || residual <= (slow ? 1e-13 : 1e-14) * std::max(terms, scale) ||
-          (newton && slow && change <= system_->place_resolution(h))) {
+      exact_ = change <= 1e-13 * scale || residual <= (slow ? 1e-13 : 1e-14) * std::max(terms, scale) ||
+               (newton && slow && change <= system_->place_resolution(h));
+      if (exact_ || change <= enough * scale) {
         // q and p must be advanced with the same v, otherwise momenta would not be conserved.
         y_ = h / 2 * v;
         group_.Ad_transpose(y_, p0, p);
@@ -83,23 +138,36 @@ template <class System> class Midpoint {
         group_.move_twice(q0, y_, q);
         return {};
       }
+      slowest_ = std::max(slowest_, residual / before);
       before = residual;
       if (!slow) continue;
-      newton = true;
-      before = std::numeric_limits<double>::infinity();
-      matrix_.compute_with_drive(t + h / 2, q0, y_, q_middle, v, none_, h * h / 4, h / 2);
+      before = infinity;
+      compute_matrix(t, h, q0);
+      least = 0.5;
     }
     return {t + h, no_convergence};
   }
+  /// Computes Newton's matrix at q_middle = q0 ⊕ y_.
+  void compute_matrix(double t, double h, const Vector& q0) {
+    matrix_in_use_ = MatrixKind::newton;
+    matrix_.compute_with_drive(t + h / 2, q0, y_, q_middle, v, none_, h * h / 4, h / 2);
+  }
+  /// Replaces x by the solution for the matrix in use.
+  void solve(Vector& x) {
+    if (matrix_in_use_ == MatrixKind::newton)
+      matrix_.solve(x);
+    else
+      system_->solve(x);
+  }
 
-  Vector q, q_middle, p, v, f;  ///< results of run(): q and p at the end of the step; q_middle, v and f in
-                                ///< its middle
-
- private:
   System* system_;
   ConfigurationGroup<double> group_;
   StepMatrix<System> matrix_;
   Vector y_, momenta_, r_, none_;
+  MatrixKind matrix_in_use_ = MatrixKind::none;
+  double h_ = 0;        ///< length of the last run_again()
+  double slowest_ = 0;  ///< the largest ratio of successive residuals in the last run
+  bool renew_ = false, exact_ = false;
 };
 
 }  // namespace axode

@@ -34,7 +34,16 @@ template <class System> class StepMatrix {
                           const Vector& a, double c_x, double c_v) {
     assemble(x, q, v, a, c_x, c_v);
     if (system_->is_driven()) add_drive(t, q_0, x, q, v, c_x, c_v);
+    resistance_ = (J_.diagonal() - masses_).cwiseMax(0);
     lu_.compute(J_);
+  }
+  /// The diagonal of J - M of the last matrix, or 0 where it is negative: the inertia that springs, dampers
+  /// and drives seem to add to each velocity.
+  const Vector& resistance() const { return resistance_; }
+  /// Takes the matrix of another motion of the same mechanism.
+  void continue_from(const StepMatrix& other) {
+    resistance_ = other.resistance_;
+    lu_ = other.lu_;
   }
   /// Replaces r by J⁻¹ r.
   void solve(Vector& r) {
@@ -49,6 +58,7 @@ template <class System> class StepMatrix {
     // Memory is allocated here, so that schemes which do not use the matrix allocate none.
     for (Matrix* matrix : {&dq_, &dv_, &J_}) matrix->resize(v.size(), v.size());
     system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
+    masses_ = J_.diagonal();
     if (!group_.commutes()) {
       back_ = -x;
       for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // each row transforms like a momentum, by dexp_{-x}ᵀ
@@ -74,7 +84,7 @@ template <class System> class StepMatrix {
 
   System* system_;
   ConfigurationGroup<double> group_;
-  Vector q_, back_, solution_;
+  Vector q_, back_, solution_, masses_, resistance_;
   Matrix dq_, dv_, J_;
   Eigen::PartialPivLU<Matrix> lu_;
 };
