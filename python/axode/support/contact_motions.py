@@ -58,9 +58,10 @@ def derivatives(m: Model, layout: Layout, step: float, q: Array, v: Array, tau: 
     parameters of all steps of N motions, see `axode.contact_rollout_derivatives`."""
     N, K, rows, p = len(q), tau.shape[1], 2 * m.nv, theta.shape[-1]
     A, B, C = np.empty((N, K, rows, rows)), np.empty((N, K, rows, m.nv)), np.empty((N, K, rows, p))
+    more = any(name in ("parameters", "placement") for name, _ in layout)
     for k in range(N):
         given = _parts(layout, theta[k])
-        found = _axode.contact_rollout_derivatives(_model(m, given), q[k], v[k], tau[k], step, parameters=p > 0)
+        found = _axode.contact_rollout_derivatives(_model(m, given), q[k], v[k], tau[k], step, parameters=more)
         A[k], B[k] = found.A, found.B
         C[k] = np.concatenate([_by(name, x, found) for name, x in given.items()] or [C[k]], axis=-1)
     return A, B, C
@@ -72,6 +73,7 @@ def _by(name: str, x: Array, found: Any) -> Array:
         return of_all
     if name == "placement":  # exp(x + dx) = exp(x) exp(dexp_{-x} dx)
         turned = np.einsum("krni,nij->krnj", found.placement, lie.dexp(-x))
-        return turned.reshape(*turned.shape[:2], -1)
+        placed: Array = turned.reshape(*turned.shape[:2], -1)
+        return placed
     by_surface: Array = found.C[:, :, ("friction", "restitution").index(name)]
     return by_surface
