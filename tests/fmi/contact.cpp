@@ -16,6 +16,7 @@ using fmi::Instance;
 using fmi::Kind;
 using fmi::Role;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double drop = 0.5;
 
@@ -116,6 +117,16 @@ TEST(FmuContact, IsThatOfTheLibraryInStepsOfTheUsualLengthToTheLastBit) {
   const std::size_t last = motion.size() - 1;
   EXPECT_TRUE(std::ranges::equal(values(instance, references(table, Role::coordinate)), motion.q(last)));
   EXPECT_TRUE(std::ranges::equal(values(instance, references(table, Role::velocity)), motion.v(last)));
+}
+
+TEST(FmuContact, SuggestsNoTolerance) {
+  const auto description = [](const Model& model) -> std::string {
+    for (const fmi::FmuFile& file : fmi::fmu_files(model, {.kinds = {Kind::co_simulation}}, ""))
+      if (file.name == "modelDescription.xml") return file.contents;
+    return "";
+  };
+  EXPECT_THAT(description(shipped("four_bar.toml")), HasSubstr("tolerance=\"1e-8\""));
+  EXPECT_THAT(description(hopping_ball(0)), Not(HasSubstr("tolerance=")));
 }
 
 TEST(FmuContact, CarriesDrives) {
