@@ -128,6 +128,8 @@ int run(int argc, char** argv) {
     for (const Fault& fault : error.faults())
       if (fault.severity == Severity::error)
         fmt::print(stderr, "{}\n", in(Ink::bad, to_string(fault), stderr));
+  } catch (const std::bad_alloc&) {
+    report(full_name(app), "there is not enough memory; ask for fewer steps, samples or states");
   } catch (const std::exception& error) {
     report(full_name(app), error.what());
   }
@@ -139,7 +141,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const int exit_code = axode::command::run(argc, argv);
-  if (std::fflush(stdout) == 0 || exit_code != axode::command::all_well) return exit_code;
+  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (written || exit_code != axode::command::all_well) return exit_code;
   std::fputs("axode: standard output cannot be written\n", stderr);
   return axode::command::bad_input;
 }

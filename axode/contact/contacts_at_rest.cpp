@@ -100,6 +100,9 @@ ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes,
   problem.add_product(1, lambda.data(), x.data());
   found.a.resize(nv);
   system.push(x.data(), found.a.data());
+  if (!std::isfinite(found.certificate) ||
+      !std::ranges::all_of(found.a, [](double a) { return std::isfinite(a); }))
+    throw std::invalid_argument("contacts_at_rest: " + to_string(model, Solvability{.not_finite = true}));
   system.times(found.a.data(), u.data());
   problem.complete(lambda.data());
 

@@ -105,11 +105,13 @@ inertia = [1, 1, 1]
 
 TEST(Errors, OutputThatCannotBeWrittenIsAnError) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this machine has no /dev/full";
-  const Outcome outcome =
-      run({"sh", "-c", "\"$0\" info \"$1\" > /dev/full", AXODE_COMMAND, robot("arm7.toml")});
-  EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.err, StartsWith("axode"));
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  for (const std::string words : {"info \"$1\"", "--version"}) {
+    const Outcome outcome =
+        run({"sh", "-c", "\"$0\" " + words + " > /dev/full", AXODE_COMMAND, robot("arm7.toml")});
+    EXPECT_EQ(outcome.code, 1) << words;
+    EXPECT_THAT(outcome.err, StartsWith("axode"));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
 }
 
 }  // namespace

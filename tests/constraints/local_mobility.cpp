@@ -305,7 +305,7 @@ TEST(LocalMobility, RefusesWhatItCannotAnswer) {
   std::vector<double> q = neutral(model);
   for (const int order : {-1, 1, 21})
     EXPECT_THROW(static_cast<void>(local_mobility(model, q, {.order = order})), std::invalid_argument);
-  for (const double length : {-1.0, std::nan("")})
+  for (const double length : {-1.0, std::nan(""), 1e-300, 1e300})
     EXPECT_THROW(static_cast<void>(local_mobility(model, q, {.length = length})), std::invalid_argument);
   EXPECT_THROW(closure_derivatives(model, q, Eigen::MatrixXd::Zero(3, 2)), std::invalid_argument);
   EXPECT_THROW(closure_derivatives(model, q, Eigen::MatrixXd::Zero(4, 0)), std::invalid_argument);

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "axode/constraints/local_mobility/closure_series.hpp"
 #include "axode/eigen.hpp"
+#include "axode/model/building/fault.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/recursion/least_squares.hpp"
 
@@ -13,6 +16,9 @@ namespace {
 
 /// The share of a loop in the norm of a linear combination of equations below which it is a rounding error.
 constexpr double negligible_share = 1e-6;
+
+/// The least ratio between a given characteristic length and the mean distance of joints, and its inverse.
+constexpr double least_ratio = 1e-6;
 
 /// The points without duplicates.
 std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) {
@@ -46,7 +52,12 @@ Closure::Closure(const Model& model, std::span<const double> q0, double length)
     : model_(model), q0_(q0.begin(), q0.end()) {
   Walks found = walks(model, q0);
   const std::vector<Vec3<>> centers = distinct(found.centers);
-  length_ = length > 0 ? length : mean_distance(centers);
+  const double usual = mean_distance(centers);
+  if (length > 0 && !(length >= least_ratio * usual && least_ratio * length <= usual))
+    throw std::invalid_argument("length is " + to_text(length) +
+                                " m, and the mean distance between two joints is " + to_text(usual) +
+                                " m; choose a length of its order, so that ranks mean something");
+  length_ = length > 0 ? length : usual;
   const Vec3<> center = mean(centers);
   coordinates_ = std::move(found.coordinates);
   loops_ = std::move(found.loops);

@@ -22,7 +22,8 @@ struct LocalMobilityOptions {
   /// chosen if the computation would take too long, and up to 4 orders are added if the mobility is not
   /// settled.
   int order = 0;
-  /// The characteristic length (m) by which lengths are divided; 0 means the mean distance of two joints.
+  /// The characteristic length (m) by which lengths are divided, within a factor of 1e6 of the mean distance
+  /// of two joints; 0 means this distance.
   double length = 0;
   /// A function that the analysis calls again and again; if it returns false, the result is empty.
   std::function<bool()> monitor = {};

@@ -393,11 +393,13 @@ class Compiler {
   }
 
   /// Adds a fault about body i of the model; i = 0 stands for the mechanism.
-  void note(Compilation& out, int i, Severity severity, Rule rule, std::string element,
-            const char* message) const {
-    const Source& source = i > 0 ? expanded_.bodies[described_[i - 1]].source : expanded_.source;
-    out.faults.push_back({severity, rule, std::move(element), message,
-                          source.file.empty() ? Source{expanded_.source.file, source.line} : source});
+  const Source& source_of(int i) const {
+    return i > 0 ? expanded_.bodies[described_[i - 1]].source : expanded_.source;
+  }
+  void note(Compilation& out, const Source& at, Severity severity, Rule rule, std::string what,
+            const char* says) const {
+    const Source source = at.file.empty() ? Source{expanded_.source.file, at.line} : at;
+    out.faults.push_back({severity, rule, std::move(what), says, source});
   }
 
   void report_loops_within_bodies(Compilation& out) const {
@@ -429,16 +431,15 @@ class Compiler {
       if (mass[i] > 0 || armature)
         moves_mass[joint.leader && joint.leader->ratio != 0 ? joint.leader->joint : i] = true;
     }
+    const bool cut = !out.loops.empty();
     for (int i = 1; i <= tree->n; ++i)
-      if (!moves_mass[i] && !out.joints[i].leader) {
-        const bool cut = !out.loops.empty();
-        note(out, i, cut ? Severity::error : Severity::warning, Rule::moves_no_mass,
+      if (!moves_mass[i] && !out.joints[i].leader)
+        note(out, source_of(i), cut ? Severity::error : Severity::warning, Rule::moves_no_mass,
              "joint \"" + out.joints[i].name + '"',
              cut ? "moves no mass when the loops are cut; cut them at another joint, or describe the body "
                    "that it moves as a rod"
                  : "moves no mass; the mass matrix is singular: give the body that it moves a mass, or the "
                    "joint an armature, or lock the joint, see reduced");
-      }
   }
 
   /// Reports finite numbers of the description that are so large that poses, inertias or points overflow.
@@ -446,28 +447,28 @@ class Compiler {
     const Tree<double>& tree = out.tree;
     for (int i = 0; i <= tree->n; ++i) {
       const Body& body = out.bodies[i];
-      const bool good = finite(body.A) && finite(body.B) && finite(body.M) && finite(tree.B[i]) &&
-                        finite(tree.M[i]) && finite(tree.ratio[i]) && finite(tree.offset[i]);
-      if (!good)
-        note(out, i, Severity::error, Rule::non_finite_number, "body \"" + body.name + '"',
+      if (!(finite(body.A) && finite(body.B) && finite(body.M) && finite(tree.B[i]) && finite(tree.M[i]) &&
+            finite(tree.ratio[i]) && finite(tree.offset[i])))
+        note(out, source_of(i), Severity::error, Rule::non_finite_number, "body \"" + body.name + '"',
              "its numbers are so large that its pose, inertia or coupling overflows");
     }
     for (std::size_t f = 0; f < out.frames.size(); ++f)
       if (!(finite(tree.frame_offset[f]) && finite(out.frames[f].pose)) &&
           finite(out.bodies[out.frames[f].body].A))
-        note(out, out.frames[f].body, Severity::error, Rule::non_finite_number,
+        note(out, source_of(out.frames[f].body), Severity::error, Rule::non_finite_number,
              "frame \"" + out.frames[f].name + '"', "its numbers are so large that its pose overflows");
-    for (std::size_t k = 0; k < out.springs.elements.size(); ++k)
+    const std::vector<SpringDescription>& from = description_.springs;
+    for (std::size_t k = 0; k < from.size(); ++k)
       if (const auto* path = std::get_if<Spring::Path>(&out.springs.elements[k].geometry))
         for (const Spring::Path::Point& it : path->points)
           if (!finite(it.point) && finite(tree.frame_offset[it.frame]))
-            note(out, 0, Severity::error, Rule::non_finite_number, spring_element(description_.springs[k], k),
+            note(out, from[k].source, Severity::error, Rule::non_finite_number, spring_element(from[k], k),
                  "its numbers are so large that a point overflows");
-    for (const Loop& loop : out.loops.joints)
-      for (const Loop::End& end : loop.ends)
-        if (!finite(end.F) || !finite(loop.size))
-          note(out, 0, Severity::error, Rule::non_finite_number, "loop \"" + loop.name + '"',
-               "its numbers are so large that its frames overflow");
+    const auto fits = [](const Loop::End& end) { return finite(end.F) && finite(dot(end.F.r, end.F.r)); };
+    for (std::size_t k = 0; k < out.loops.joints.size(); ++k)
+      if (const Loop& loop = out.loops.joints[k]; !finite(loop.size) || !std::ranges::all_of(loop.ends, fits))
+        note(out, description_.loops[k].source, Severity::error, Rule::non_finite_number,
+             "loop \"" + loop.name + '"', "its numbers are so large that its frames overflow");
   }
 
   const Description& description_;
