@@ -56,9 +56,14 @@ void XmlReader::ignore(std::string what, int line) {
 }
 
 void XmlReader::report_ignored() {
-  for (const Ignored& it : ignored_)
+  for (const Ignored& it : ignored_) {
+    const bool extension = it.what.find(':') != std::string::npos && !it.what.starts_with("<xacro:");
     note(Severity::warning, Rule::unknown_element, it.what,
-         "says nothing about the mechanism and is ignored" + times(it.count), it.line);
+         (extension ? "belongs to an extension of " + std::string(format_.name) + " and is ignored"
+                    : "says nothing about the mechanism and is ignored") +
+             times(it.count),
+         it.line);
+  }
 }
 
 const XMLElement* XmlReader::parse(tinyxml2::XMLDocument& document) {

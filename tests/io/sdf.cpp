@@ -400,12 +400,13 @@ TEST(Sdf, WhatIsNotUnderstoodIsNamedOnce) {
   const Model model = model_of(
       "<sdf version='1.9'>\n<world name='w'>\n<include><uri>model://sun</uri></include>\n"
       "<light name='l'/>\n<model name='m'>" +
-      link("a", "<sensor name='s'/><sensor name='t'/>") + "\n<plugin/></model></world></sdf>");
+      link("a", "<sensor name='s'/><sensor name='t'/><drake:mass/>") + "\n<plugin/></model></world></sdf>");
   EXPECT_THAT(
       messages(model),
       UnorderedElementsAre(HasSubstr("test.sdf:3: warning: world: includes \"model://sun\""),
                            HasSubstr("test.sdf:4: warning: <light>"),
                            HasSubstr("<sensor>: says nothing about the mechanism and is ignored (2 times"),
+                           HasSubstr("<drake:mass>: belongs to an extension of SDFormat and is ignored"),
                            HasSubstr("test.sdf:6: warning: <plugin>")));
 }
 
