@@ -49,7 +49,10 @@ template <class T> struct FastCompositeBodies {
         set_hinges(i, tree->iv[i]);
         i += std::max(1, std::min(L::width, tree->hinges[i]));
       } else {
-        set_columns(tree, i);
+        if (tree->kind[i] == Subgroup::prismatic)
+          set_prismatic(tree, i);
+        else
+          set_columns(tree, i);
         ++i;
       }
     }
@@ -71,9 +74,7 @@ template <class T> struct FastCompositeBodies {
         for (int j = end; j < tree->nv; ++j) row[j] = column[j * nv] = T(0);
       }
     } else {
-      const int last = last_block<T>(tree->nv);
-      for (int i = last; i >= 0; i -= L::width)
-        for (int j = last; j >= i; j -= L::width) write_block(tree, i, j, out);
+      for (int c = last_block<T>(tree->nv); c >= 0; c -= L::width) write_columns(*tree.operator->(), c, out);
     }
     for (int i = 0; i < tree->nv; ++i) out[i * nv + i] += T(tree.armature[i]);
   }
@@ -92,38 +93,44 @@ template <class T> struct FastCompositeBodies {
   }
 
  private:
-  /// Writes the block of the mass matrix with rows i, i + 1, ... and columns j, j + 1, ... (j >= i), and its
-  /// mirror image below the diagonal. The blocks in later rows, and in later columns of these rows, must be
-  /// written before, because SIMD lanes beyond the end of a row spill into the next row.
-  template <class Real> void write_block(const Tree<Real>& tree, int i, int j, T* out) const noexcept {
-    const Arrays<T> one = S;
-    const int nv = tree->nv;
-    int least = nv, most = 0;  // range of the ends of the subtrees that these rows move
-    for (int m = 0; m < L::width; ++m) {
-      const int end = tree->velocity_end[std::min(i + m, nv - 1)];
-      least = std::min(least, end);
-      most = std::max(most, end);
+  /// Writes the columns c, c + 1, ... of M, one in each lane. The columns after them must have been written
+  /// before, because lanes beyond the end of a row spill into the next row.
+  void write_columns(const Topology& topology, int c, T* out) const noexcept {
+    const Arrays<T> screw = S, impulse = F;  // local copies, which no store can change
+    const int nv = topology.nv, next = std::min(c + L::width, nv);
+    const auto end_of = [&](int k) { return topology.velocity_end[k]; };
+    int end = next;  // of the rows that are not 0
+    for (int k = c; k < next; ++k) end = std::max(end, end_of(k));
+    const Number zero(T(0));
+    Number screws[6], impulses[6];
+    for (int k = 0; k < 6; ++k)
+      screws[k] = L::load(screw.array(k) + c), impulses[k] = L::load(impulse.array(k) + c);
+    const auto put = [&](int r, const Number& x) {
+      store_row<T>(x, r, c, nv, out + r * static_cast<std::ptrdiff_t>(nv) + c);
+    };
+    for (int r = 0; r < c; ++r) {
+      if (end_of(r) <= c)
+        put(r, zero);
+      else if (end_of(r) < next)
+        put(r, select(lane() < Number(T(end_of(r) - c)), product(screw, r, impulses), zero));
+      else
+        put(r, product(screw, r, impulses));
     }
-    if (j >= most) {
-      const SquareBlock<T> nothing{};
-      store(nothing, i, j, nv, out);
-      store(nothing, j, i, nv, out);
-      return;
-    }
-    Number several[6];
-    for (int k = 0; k < 6; ++k) several[k] = L::load(F.array(k) + j);
     SquareBlock<T> block;
-    unrolled<L::width>([&](auto m) { block[m] = product(one, i + m, several); });
-    if (least < std::min(j + L::width, nv))
-      unrolled<L::width>([&](auto m) {
-        const Number end(T(tree->velocity_end[std::min(i + m, nv - 1)] - j));
-        block[m] = select(lane() < end, block[m], Number(T(0)));
-      });
+    unrolled<L::width>([&](auto m) {
+      block[m] = product(screw, c + m, impulses);
+      const int end_m = end_of(std::min(c + m, nv - 1));
+      if (end_m < next) block[m] = select(lane() < Number(T(end_m - c)), block[m], zero);
+    });
     const SquareBlock<T> mirrored = transposed<T>(block);
-    if (i == j)
-      unrolled<L::width>([&](auto m) { block[m] = select(lane() < Number(T(m)), mirrored[m], block[m]); });
-    store(block, i, j, nv, out);
-    if (i < j) store(mirrored, j, i, nv, out);
+    unrolled<L::width>([&](auto m) { put(c + m, select(lane() < Number(T(m)), mirrored[m], block[m])); });
+    if (end > next) {
+      Number subtree;
+      for (int l = 0; l < L::width; ++l) subtree.x[l] = T(end_of(c + l));
+      for (int r = next; r < end; ++r)
+        put(r, select(Number(static_cast<T>(r)) < subtree, product(impulse, r, screws), zero));
+    }
+    for (int r = end; r < nv; ++r) put(r, zero);
   }
   static Number lane() { return L::load(count.data()); }
   static constexpr std::array<T, L::width> count = [] {
@@ -168,22 +175,39 @@ template <class T> struct FastCompositeBodies {
     F.store3(m, 0, c);
     F.store3(f, 3, c);
   }
-  /// Computes the screws and impulses of joint i, which may be of any kind.
+  /// Computes the screw and the impulse of joint i, which is prismatic.
+  template <class Real> void set_prismatic(const Tree<Real>& tree, int i) noexcept {
+    const Vec3<T> n = C.get3(6, i);
+    const T m = M.array(9)[i];
+    const int c = tree->iv[i];
+    S.set3({}, 0, c);
+    S.set3(n, 3, c);
+    F.set3(cross(M.get3(0, i) + m * C.get3(9, i), n), 0, c);
+    F.set3(m * n, 3, c);
+  }
+  /// Computes the screws and impulses of joint i, which may be of any kind, with one screw in each lane.
   template <class Real> [[gnu::noinline]] void set_columns(const Tree<Real>& tree, int i) noexcept {
     const SO3<T> R{C.get3(0, i), C.get3(3, i), C.get3(6, i)};
-    const Vec3<T> r = C.get3(9, i);
-    const Inertia<T> M_i = get(i);
+    const int first = tree->iv[i];
     with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
       for (int k = 0; k < joint.nv; ++k) {
         const Screw<T> X = Ad(R, joint.column(k));
-        const Momentum<Hybrid, T> Pi = M_i * Twist<Hybrid, T>{X.w, X.v};
-        const int c = tree->iv[i] + k;
-        S.set3(X.w, 0, c);
-        S.set3(X.v + cross(r, X.w), 3, c);
-        F.set3(Pi.l + cross(r, Pi.p), 0, c);
-        F.set3(Pi.p, 3, c);
+        S.set3(X.w, 0, first + k);
+        S.set3(X.v, 3, first + k);
       }
     });
+    const auto all = [](const Vec3<T>& a) { return Vec3<Number>{Number(a.x), Number(a.y), Number(a.z)}; };
+    const Inertia<T> M_i = get(i);
+    const Vec3<Number> d = all({M_i.Theta.xx, M_i.Theta.yy, M_i.Theta.zz}),
+                       o = all({M_i.Theta.xy, M_i.Theta.xz, M_i.Theta.yz}), r = all(C.get3(9, i));
+    const Inertia<Number> in_all_lanes{Number(M_i.m), all(M_i.h), {d.x, d.y, d.z, o.x, o.y, o.z}};
+    for (int c = first; c < tree->first_screw[i + 1]; c += L::width) {  // later joints overwrite lanes beyond
+      const Twist<Hybrid, Number> X{S.load3(0, c), S.load3(3, c)};
+      const Momentum<Hybrid, Number> Pi = in_all_lanes * X;
+      S.store3(X.v + cross(r, X.w), 3, c);
+      F.store3(Pi.l + cross(r, Pi.p), 0, c);
+      F.store3(Pi.p, 3, c);
+    }
   }
   /// The six components of entry r of the arrays `from`, each repeated in all lanes.
   struct Six {

@@ -3,6 +3,7 @@
 
 #include "axode/derivatives/displacement/load_stiffness.hpp"
 #include "axode/derivatives/displacement/moving_screws.hpp"
+#include "axode/fast/symmetric_blocks.hpp"
 #include "axode/lie/six.hpp"
 #include "axode/recursion/spatial_tree.hpp"
 
@@ -25,7 +26,7 @@ template <class T> struct FirstOrder {
 
   explicit FirstOrder(Arena& arena)
       : screws(arena),
-        effect(arena, static_cast<int>(ScrewEffects<T>::size), arena.topology().n_screws),
+        effect(arena, ScrewEffects<T>::size, arena.topology().n_screws),
         line(arena, results, arena.topology().n_screws),
         inertial(arena),
         N(arena.per_body<LoadStiffness<T>>()),
@@ -50,9 +51,17 @@ template <class T> struct FirstOrder {
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
-      const auto numbers = std::bit_cast<typename ScrewEffects<Number>::Entries>(screws.effects(c));
-      for (std::size_t k = 0; k < numbers.size(); ++k)
-        L::store(numbers[k], effect.array(static_cast<int>(k)) + c);
+      const MovingColumn<Number> column = screws.columns_from(c);
+      const auto x = ScrewEffects<Number>::of(screws.subtrees_of_columns(c, topology.n_screws), column.S,
+                                              column.V_p, column.dV_p, column.V);
+      store6(x.S.w, x.S.v, effect, S, c);
+      store6(x.psi_2.w, x.psi_2.v, effect, psi_2, c);
+      store6(x.sigma.w, x.sigma.v, effect, sigma, c);
+      store6(x.U.m, x.U.f, effect, U, c);
+      store6(x.P.m, x.P.f, effect, P, c);
+      store6(x.R.m, x.R.f, effect, R, c);
+      effect.store3(x.psi_1, psi_1, c);
+      effect.store3(x.t, t, c);
     }
     if (loaded) stiffen(topology);
   }
@@ -74,36 +83,23 @@ template <class T> struct FirstOrder {
   template <class Real>
   void write(const Tree<Real>& tree, const Loads<T>& loads, T* dq, T* dv, T* da) noexcept {
     const std::ptrdiff_t nv = tree->nv;
-    for (T* const matrix : {dq, dv, da}) std::fill_n(matrix, nv * nv, T(0));
-    const bool loaded = !loads.wrenches.empty();
-    for (int i = 1; i <= tree->n; ++i) {
-      const int begin = tree->first_screw[i], next = tree->first_screw[i + 1],
-                end = tree->first_screw[tree->subtree_end[i]];
-      for (int l = begin; l < next; ++l) {
-        multiply(l, begin, end, loaded);
-        if (tree->coupled_bodies.empty()) [[likely]] {
-          for (int k = next; k < end; ++k) {
-            dq[l * nv + k] = line.array(0)[k];
-            dv[l * nv + k] = line.array(1)[k];
-            da[l * nv + k] = line.array(2)[k];
-          }
-          for (int k = begin; k < end; ++k) {
-            dq[k * nv + l] = line.array(3)[k];
-            dv[k * nv + l] = line.array(4)[k];
-            da[k * nv + l] = line.array(2)[k];
-          }
-        } else {
-          const auto add = [&](T* matrix) {
-            return [matrix, nv](std::ptrdiff_t r, std::ptrdiff_t c, const T& x) { matrix[r * nv + c] += x; };
-          };
-          each_entry_of(tree, l, i, add(dq), add(dv), add(da));
-        }
-      }
+    if (tree->coupled_bodies.empty()) [[likely]] {
+      write_columns(tree, loads, nv, dq, dv, da);
+    } else {
+      for (T* const matrix : {dq, dv, da}) std::fill_n(matrix, nv * nv, T(0));
+      const auto add_to = [nv](T* matrix) {
+        return [matrix, nv](std::ptrdiff_t r, std::ptrdiff_t c, const T& x) { matrix[r * nv + c] += x; };
+      };
+      each_product(tree, loads, add_to(dq), add_to(dv), add_to(da));
+      add_losses(tree, loads, nv, dv);
     }
-    for (std::ptrdiff_t c = 0; c < nv; ++c) {
-      da[c * nv + c] += T(tree.armature[static_cast<std::size_t>(c)]);
-      if (loads.joint_losses) dv[c * nv + c] += T(tree.damping[static_cast<std::size_t>(c)]);
-    }
+    for (std::ptrdiff_t c = 0; c < nv; ++c) da[c * nv + c] += T(tree.armature[static_cast<std::size_t>(c)]);
+  }
+  /// Writes ∂τ/∂q and ∂τ/∂v for a tree without couplings. The rows of each matrix are `stride` numbers apart,
+  /// a multiple of the number of lanes.
+  template <class Real>
+  void write(const Tree<Real>& tree, const Loads<T>& loads, std::ptrdiff_t stride, T* dq, T* dv) noexcept {
+    write_columns(tree, loads, stride, dq, dv, nullptr);
   }
 
   /// Calls by_q(component of τ, direction, part of the entry) for every entry of ∂τ/∂q that can differ from
@@ -111,11 +107,7 @@ template <class T> struct FirstOrder {
   /// several parts, which add up.
   template <class Real, class ByQ, class ByV>
   void each_entry(const Tree<Real>& tree, const Loads<T>& loads, const ByQ& by_q, const ByV& by_v) noexcept {
-    for (int i = 1; i <= tree->n; ++i)
-      for (int l = tree->first_screw[i]; l < tree->first_screw[i + 1]; ++l) {
-        multiply(l, tree->first_screw[i], tree->first_screw[tree->subtree_end[i]], !loads.wrenches.empty());
-        each_entry_of(tree, l, i, by_q, by_v, [](std::ptrdiff_t, std::ptrdiff_t, const T&) {});
-      }
+    each_product(tree, loads, by_q, by_v, [](std::ptrdiff_t, std::ptrdiff_t, const T&) {});
     if (loads.joint_losses)
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) by_v(c, c, T(tree.damping[static_cast<std::size_t>(c)]));
   }
@@ -167,26 +159,153 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// Calls by_q, by_v and by_a as f(component of τ, direction, part of the entry) for the entries of ∂τ/∂q,
-  /// ∂τ/∂v and ∂τ/∂a that belong to joint screw l of body i and a screw of its subtree. The products for l
-  /// must have been computed by multiply().
+  /// Calls by_q, by_v and by_a as f(component of τ, direction, part of the entry) with the products of
+  /// multiply() of which the entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a consist.
   template <class Real, class ByQ, class ByV, class ByA>
-  void each_entry_of(const Tree<Real>& tree, int l, int i, const ByQ& by_q, const ByV& by_v,
-                     const ByA& by_a) const noexcept {
-    const std::ptrdiff_t v_l = tree->iv[i] + l - tree->first_screw[i];
-    for (int j = i; j < tree->subtree_end[i]; ++j)
-      for (int k = tree->first_screw[j]; k < tree->first_screw[j + 1]; ++k) {
-        const std::ptrdiff_t v_k = tree->iv[j] + k - tree->first_screw[j];
-        if (j > i) {
-          by_q(v_l, v_k, line.array(0)[k]);
-          by_v(v_l, v_k, line.array(1)[k]);
-          by_a(v_l, v_k, line.array(2)[k]);
-        }
-        by_q(v_k, v_l, line.array(3)[k]);
-        by_v(v_k, v_l, line.array(4)[k]);
-        by_a(v_k, v_l, line.array(2)[k]);
+  void each_product(const Tree<Real>& tree, const Loads<T>& loads, const ByQ& by_q, const ByV& by_v,
+                    const ByA& by_a) noexcept {
+    for (int i = 1; i <= tree->n; ++i) {
+      const int begin = tree->first_screw[i], next = tree->first_screw[i + 1],
+                end = tree->first_screw[tree->subtree_end[i]];
+      for (int l = begin; l < next; ++l) {
+        multiply(l, begin, end, !loads.wrenches.empty());
+        const std::ptrdiff_t v_l = tree->iv[i] + l - begin;
+        for (int j = i; j < tree->subtree_end[i]; ++j)
+          for (int k = tree->first_screw[j]; k < tree->first_screw[j + 1]; ++k) {
+            const std::ptrdiff_t v_k = tree->iv[j] + k - tree->first_screw[j];
+            if (j > i) {
+              by_q(v_l, v_k, line.array(0)[k]);
+              by_v(v_l, v_k, line.array(1)[k]);
+              by_a(v_l, v_k, line.array(2)[k]);
+            }
+            by_q(v_k, v_l, line.array(3)[k]);
+            by_v(v_k, v_l, line.array(4)[k]);
+            by_a(v_k, v_l, line.array(2)[k]);
+          }
       }
+    }
   }
+
+  /// Entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a in one row and several columns, one column in each lane.
+  struct Entries {
+    Number q, v, a;
+  };
+  /// The entries of adjacent columns of the matrices for a tree without couplings. A row above the joint of a
+  /// column has the products of its screw with P, R and U of the column; a row of its subtree has the products
+  /// of its U and t with the screws of the column (D1.17).
+  struct Columns {
+    Arrays<T> effect, NtS;  // copies, so that the compiler knows that no result overwrites them
+    Number screws[psi_2 + 12], psi_1_of[3], wrenches[18];
+
+    Columns(const FirstOrder& of, int c) : effect(of.effect), NtS(of.NtS) {
+      for (int k = 0; k < 18; ++k) screws[k] = L::load(effect.array(S + k) + c);
+      for (int k = 0; k < 18; ++k) wrenches[k] = L::load(effect.array(U + k) + c);
+      for (int k = 0; k < 3; ++k) psi_1_of[k] = L::load(effect.array(psi_1 + k) + c);
+    }
+    Entries above(int r) const {
+      return {product<6>(effect, S, r, wrenches + P - U), product<6>(effect, S, r, wrenches + R - U),
+              product<6>(effect, S, r, wrenches)};
+    }
+    Entries below(int r, bool loaded) const {
+      Number q = product<6>(effect, U, r, screws + psi_2) + product<3>(effect, t, r, psi_1_of);
+      if (loaded) q = q + product<6>(NtS, 0, r, screws);
+      return {q, product<6>(effect, U, r, screws + sigma) + product<3>(effect, t, r, screws),
+              product<6>(effect, U, r, screws)};
+    }
+
+   private:
+    /// The sum of component k + m of row r times several[m] over m = 0 to n - 1.
+    template <int n> static Number product(const Arrays<T>& rows, int k, int r, const Number* several) {
+      const T* const x = rows.array(k) + r;
+      Number sum = x[0] * several[0];
+      for (int m = 1; m < n; ++m) sum = sum + x[m * rows.stride] * several[m];
+      return sum;
+    }
+  };
+
+  template <class Real>
+  static void add_losses(const Tree<Real>& tree, const Loads<T>& loads, std::ptrdiff_t stride,
+                         T* dv) noexcept {
+    if (!loads.joint_losses) return;
+    for (std::ptrdiff_t c = 0; c < tree->nv; ++c)
+      dv[c * stride + c] += T(tree.damping[static_cast<std::size_t>(c)]);
+  }
+  /// Writes the matrices of a tree without couplings, with `stride` numbers from row to row, and without
+  /// armatures. da may be null.
+  template <class Real>
+  void write_columns(const Tree<Real>& tree, const Loads<T>& loads, std::ptrdiff_t stride, T* dq, T* dv,
+                     T* da) const noexcept {
+    const Topology& topology = *tree.operator->();
+    const bool loaded = !loads.wrenches.empty();
+    for (int c = last_block<T>(tree->nv); c >= 0; c -= L::width) {
+      if (da)
+        write_columns<true>(topology, c, loaded, stride, dq, dv, da);
+      else
+        write_columns<false>(topology, c, loaded, stride, dq, dv, da);
+    }
+    add_losses(tree, loads, stride, dv);
+  }
+  /// Writes the columns c, c + 1, ... of the matrices, one in each lane. The columns after them must have been
+  /// written before, because lanes beyond the end of a row spill into the next row.
+  template <bool with_a>
+  void write_columns(const Topology& topology, int c, bool loaded, std::ptrdiff_t stride, T* dq, T* dv,
+                     T* da) const noexcept {
+    const int nv = topology.nv, next = std::min(c + L::width, nv);
+    const auto end_of = [&](int k) { return topology.velocity_end[k]; };
+    const auto joint_of = [&](int k) { return topology.first_screw[screws.body_of[k]]; };
+    int end = next;  // of the rows that are not 0
+    for (int k = c; k < next; ++k) end = std::max(end, end_of(k));
+    const auto put = [&](int r, const Entries& x) {
+      const std::ptrdiff_t at = r * stride + c;
+      const int room = static_cast<int>(nv * stride - at);
+      L::store(x.q, dq + at, room);
+      L::store(x.v, dv + at, room);
+      if constexpr (with_a) L::store(x.a, da + at, room);
+    };
+    const Number zero(T(0));
+    const Entries zeros{zero, zero, zero};
+    const Columns columns(*this, c);
+    if constexpr (L::width == 1) {
+      for (int r = 0; r < joint_of(c); ++r) put(r, end_of(r) > c ? columns.above(r) : zeros);
+      for (int r = joint_of(c); r <= c; ++r) put(r, columns.below(r, loaded));
+      for (int r = c + 1; r < end; ++r) {
+        const Entries x = columns.below(r, loaded);
+        if constexpr (with_a)
+          put(r, {x.q, x.v, da[c * stride + r]});
+        else
+          put(r, x);
+      }
+    } else {
+      Number column, joint, subtree;  // of each lane: its column, the first column of its joint, and the end
+                                      // of the columns that this joint moves
+      for (int l = 0; l < L::width; ++l) {
+        const int k = std::min(c + l, nv - 1);
+        column.x[l] = T(c + l), joint.x[l] = T(joint_of(k)), subtree.x[l] = T(end_of(k));
+      }
+      const auto clear = [&](const auto& where, const Entries& x) {
+        return Entries{select(where, zero, x.q), select(where, zero, x.v), select(where, zero, x.a)};
+      };
+      for (int r = 0; r < joint_of(c); ++r) {
+        if (end_of(r) <= c)
+          put(r, zeros);
+        else if (end_of(r) < next)
+          put(r, clear(Number(T(end_of(r))) <= column, columns.above(r)));
+        else
+          put(r, columns.above(r));
+      }
+      for (int r = joint_of(c); r < next; ++r) {
+        const Number row(static_cast<T>(r));
+        const auto is_above = row < joint;
+        const Entries a = columns.above(r), b = columns.below(r, loaded);
+        put(r, clear(subtree <= row || (is_above && Number(T(end_of(r))) <= column),
+                     {select(is_above, a.q, b.q), select(is_above, a.v, b.v), select(is_above, a.a, b.a)}));
+      }
+      for (int r = next; r < end; ++r)
+        put(r, clear(subtree <= Number(static_cast<T>(r)), columns.below(r, loaded)));
+    }
+    for (int r = end; r < nv; ++r) put(r, zeros);
+  }
+
   [[gnu::noinline]] void stiffen(const Topology& topology) noexcept {
     sum_subtrees(topology, N);
     for (int i = 1; i <= topology.n; ++i)

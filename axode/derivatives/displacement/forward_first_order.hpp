@@ -8,28 +8,89 @@ namespace axode {
 /// others are -M⁻¹ times ∂τ/∂q and ∂τ/∂v of inverse dynamics at the accelerations a ((D1.24) of
 /// docs/derivations).
 template <class T> struct ForwardFirstOrder {
+  using L = Lanes<T>;
+  using Number = typename L::Number;
+  /// The largest number of velocities for which products with M⁻¹ are faster than articulated bodies.
+  static constexpr int most_velocities = 100;
+
   AccelerationsAndColumns<T> forward;
   FirstOrder<T> inverse;
+  std::ptrdiff_t stride;  ///< numbers in a row of one matrix, filled up to whole registers
+  T* by_state;            ///< ∂τ/∂q and ∂τ/∂v side by side; not used for more than most_velocities
+  Number* entries;        ///< the rows of some columns of them that are not 0, ∂τ/∂q before ∂τ/∂v
+  std::ptrdiff_t* rows;   ///< offsets of the same rows in M⁻¹
 
-  explicit ForwardFirstOrder(Arena& arena) : forward(arena), inverse(arena) {}
+  explicit ForwardFirstOrder(Arena& arena)
+      : forward(arena),
+        inverse(arena),
+        stride((arena.topology().nv + L::width - 1) / L::width * L::width),
+        by_state(arena.lines<T>(arena.topology().nv > most_velocities
+                                    ? 0
+                                    : static_cast<std::size_t>(2 * stride * arena.topology().nv))),
+        entries(arena.array<Number>(2 * static_cast<std::size_t>(arena.topology().nv))),
+        rows(arena.per_velocity<std::ptrdiff_t>()) {}
 
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* dq,
                   T* dv, T* dtau) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
-    const std::ptrdiff_t entries = static_cast<std::ptrdiff_t>(tree->nv) * tree->nv;
+    const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(tree->nv) * tree->nv;
     if (!verdict.ok()) {
       for (T* const matrix : {dq, dv, dtau})
-        std::fill_n(matrix, entries, T(std::numeric_limits<double>::quiet_NaN()));
+        std::fill_n(matrix, size, T(std::numeric_limits<double>::quiet_NaN()));
       return verdict;
     }
     inverse.run(tree, q, v, forward.a, loads);
-    inverse.write(tree, loads, dq, dv, dtau);
-    forward.inverse(tree, dtau);
-    for (T* const matrix : {dq, dv}) {
-      for (std::ptrdiff_t k = 0; k < entries; ++k) matrix[k] = -matrix[k];
-      forward.solve(tree, dtau, matrix);
+    if (forward.is_fast && tree->nv <= most_velocities) {
+      inverse.write(tree, loads, 2 * stride, by_state, by_state + stride);
+      forward.inverse(tree, dtau);
+      for (int c = last_block<T>(tree->nv); c >= 0; c -= L::width)
+        multiply(*tree.operator->(), dtau, c, dq, dv);
+    } else {
+      inverse.write(tree, loads, dq, dv, dtau);
+      forward.inverse(tree, dtau);
+      for (T* const matrix : {dq, dv}) {
+        for (std::ptrdiff_t k = 0; k < size; ++k) matrix[k] = -matrix[k];
+        forward.solve(tree, matrix);
+      }
     }
     return verdict;
+  }
+
+ private:
+  /// Writes the columns c, c + 1, ... of the products -M⁻¹ X, one in each lane, for the matrices X in
+  /// `by_state`, whose entries are non-zero only for pairs of velocities on one path to the ground. The
+  /// columns after them must have been written before.
+  void multiply(const Topology& topology, const T* M_inverse, int c, T* dq, T* dv) noexcept {
+    constexpr int at_once = 4;  // rows of each result, so that no sum waits for another one
+    const int nv = topology.nv;
+    int n = 0, end = c;
+    for (int k = c; k < std::min(c + L::width, nv); ++k) end = std::max(end, topology.velocity_end[k]);
+    for (int r = 0; r < end; ++r) {
+      if (topology.velocity_end[r] <= c) continue;
+      const T* const row = by_state + 2 * r * stride + c;
+      rows[n] = static_cast<std::ptrdiff_t>(r) * nv;
+      entries[2 * n] = -L::load(row);
+      entries[2 * n + 1] = -L::load(row + stride);
+      ++n;
+    }
+    for (int r = 0; r < nv; r += at_once) {
+      Number by_q[at_once], by_v[at_once];
+      for (int m = 0; m < at_once; ++m) by_q[m] = by_v[m] = Number(T(0));
+      int row[at_once];
+      for (int m = 0; m < at_once; ++m) row[m] = std::min(r + m, nv - 1);
+      for (int k = 0; k < n; ++k) {
+        const T* const factor = M_inverse + rows[k];
+        for (int m = 0; m < at_once; ++m) {
+          const Number f(factor[row[m]]);
+          by_q[m] += f * entries[2 * k];
+          by_v[m] += f * entries[2 * k + 1];
+        }
+      }
+      for (int m = 0; m < at_once; ++m) {
+        store_row<T>(by_q[m], r + m, c, nv, dq + (r + m) * static_cast<std::ptrdiff_t>(nv) + c);
+        store_row<T>(by_v[m], r + m, c, nv, dv + (r + m) * static_cast<std::ptrdiff_t>(nv) + c);
+      }
+    }
   }
 };
 

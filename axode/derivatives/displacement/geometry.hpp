@@ -24,8 +24,8 @@ template <class T> struct GeometryDerivatives {
     std::fill_n(out, static_cast<std::ptrdiff_t>(tree->nv) * tree->n * 6, T(0));
     for (int i = 1; i <= tree->n; ++i) {
       const int first = tree->first_screw[i], end = tree->first_screw[tree->subtree_end[i]];
-      const Motion6<T> V_p{screws.V_p.get3(0, first), screws.V_p.get3(3, first)},
-          dV_p{screws.dV_p.get3(0, first), screws.dV_p.get3(3, first)};
+      const Motion6<T> V_p = screws.six(first, MovingScrews<T>::OfColumn::V_p),
+                       dV_p = screws.six(first, MovingScrews<T>::OfColumn::dV_p);
       const MovingInertia<T> subtree = screws.subtree_of_column(first);
       each_unit_screw(screws.pose(i) * frame_at_zero(tree, i, q), [&](int u, const Screw<T>& unit) {
         const Motion6<T> J{unit.w, unit.v};

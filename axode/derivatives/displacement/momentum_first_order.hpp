@@ -13,8 +13,7 @@ template <class T> struct MomentumEffects {
       eta;  ///< ψ = [V_p, S] with the twist of the predecessor, η = [V, S] with that of the body
   Wrench<Spatial, T> U, D, A;
 
-  static constexpr std::size_t size = 36;
-  using Entries = std::array<T, size>;
+  static constexpr int size = 36;  ///< number of numbers
 
   /// Computes all members for a joint screw S. M and Pi are the inertia and the momentum of its subtree, V_p
   /// is the twist of the predecessor and V that of the body.
@@ -46,7 +45,7 @@ template <class T> struct MomentumFirstOrder {
   explicit MomentumFirstOrder(Arena& arena)
       : forward(arena),
         terms(arena),
-        effect(arena, static_cast<int>(MomentumEffects<T>::size), arena.topology().n_screws),
+        effect(arena, MomentumEffects<T>::size, arena.topology().n_screws),
         line(arena, 6, arena.topology().n_screws),
         v(arena.per_velocity<T>()),
         zero(arena.per_velocity<T>()) {}
@@ -120,18 +119,17 @@ template <class T> struct MomentumFirstOrder {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
     screws.compose(*tree.topology());
-    for (int i = 1; i <= tree->n; ++i)
-      for (int c = tree->first_screw[i]; c < tree->first_screw[i + 1]; ++c) {
-        screws.V_i.set3(screws.dV.get3(0, i), 0, c);
-        screws.V_i.set3(screws.dV.get3(3, i), 3, c);
-      }
     for (int c = 0; c < tree->n_screws; c += L::width) {
-      const MovingInertia<Number> moved = screws.subtree_of_columns(c);
-      const auto numbers =
-          std::bit_cast<typename MomentumEffects<Number>::Entries>(MomentumEffects<Number>::of(
-              moved.M, moved.F, load6(screws.S, c), load6(screws.dV_p, c), load6(screws.V_i, c)));
-      for (std::size_t k = 0; k < numbers.size(); ++k)
-        L::store(numbers[k], effect.array(static_cast<int>(k)) + c);
+      const MovingInertia<Number> moved = screws.subtrees_of_columns(c, tree->n_screws);
+      const MovingColumn<Number> column = screws.columns_from(c);
+      const auto x = MomentumEffects<Number>::of(moved.M, moved.F, column.S, column.dV_p,
+                                                 screws.twist_rates_of_columns(c, tree->n_screws));
+      store6(x.S.w, x.S.v, effect, S, c);
+      store6(x.psi.w, x.psi.v, effect, psi, c);
+      store6(x.eta.w, x.eta.v, effect, eta, c);
+      store6(x.U.m, x.U.f, effect, U, c);
+      store6(x.D.m, x.D.f, effect, D, c);
+      store6(x.A.m, x.A.f, effect, A, c);
     }
   }
 

@@ -1,9 +1,8 @@
 #pragma once
 #include <algorithm>
-#include <array>
-#include <bit>
 
 #include "axode/derivatives/displacement/displacement.hpp"
+#include "axode/derivatives/displacement/number_rows.hpp"
 #include "axode/fast/poses.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
 
@@ -17,10 +16,29 @@ template <class T> struct MovingInertia {
   CoriolisInertia<T> B;
   Wrench<Spatial, T> F;  ///< M V' + B V / 2 minus the applied wrenches
 
-  static constexpr std::size_t size = 28;  ///< number of numbers
-  using Entries = std::array<T, size>;
+  static constexpr int size = 28;  ///< number of numbers
+  /// Offsets of the moment and the force of F among the numbers.
+  static constexpr int moment = 22, force = 25;
 
-  static constexpr MovingInertia of(const Inertia<T>& M, const Motion6<T>& V, const Motion6<T>& dV) {
+  /// Reads all members from an array x of numbers.
+  template <class Numbers> static constexpr MovingInertia from(const Numbers& x) {
+    const auto vector = [&](int k) { return Vec3<T>{x[k], x[k + 1], x[k + 2]}; };
+    return {{x[0], vector(1), {x[4], x[5], x[6], x[7], x[8], x[9]}},
+            {{vector(10), vector(13), vector(16)}, vector(19)},
+            {vector(moment), vector(force)}};
+  }
+  /// Writes all members to an array x of numbers.
+  template <class Numbers> constexpr void to(Numbers& x) const {
+    const auto set = [&](const Vec3<T>& a, int k) { x[k] = a.x, x[k + 1] = a.y, x[k + 2] = a.z; };
+    x[0] = M.m, set(M.h, 1);
+    x[4] = M.Theta.xx, x[5] = M.Theta.yy, x[6] = M.Theta.zz;
+    x[7] = M.Theta.xy, x[8] = M.Theta.xz, x[9] = M.Theta.yz;
+    set(B.D.x, 10), set(B.D.y, 13), set(B.D.z, 16), set(B.p, 19);
+    set(F.m, moment), set(F.f, force);
+  }
+
+  [[gnu::always_inline]] static constexpr MovingInertia of(const Inertia<T>& M, const Motion6<T>& V,
+                                                           const Motion6<T>& dV) {
     const auto B = CoriolisInertia<T>::of(M, V);
     const Momentum<Spatial, T> Pi = M * dV;
     return {M, B, {Pi.l + B.D * V.w, Pi.p + cross(V.w, B.p)}};
@@ -39,14 +57,13 @@ template <class T> struct ScrewEffects {
   Wrench<Spatial, T> U, P, R;
   Vec3<T> psi_1, t;  ///< psi_1: angular part of ψ'
 
-  static constexpr std::size_t size = 42;
-  using Entries = std::array<T, size>;
+  static constexpr int size = 42;  ///< number of numbers
 
-  /// Computes all members for a joint screw S, except the part of the wrench P that is due to loads. `moved`
-  /// has the inertia, the Coriolis inertia and the wrench of the subtree. V_p and dV_p are the twist of the
-  /// predecessor and its rate, and V is the twist of the body.
-  static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S, const Motion6<T>& V_p,
-                                   const Motion6<T>& dV_p, const Motion6<T>& V) {
+  /// Computes all members for a joint screw S, except the part of P due to loads. `moved` is the sum over the
+  /// subtree, V_p and dV_p are the twist of the predecessor and its rate, and V is the twist of the body.
+  [[gnu::always_inline]] static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S,
+                                                          const Motion6<T>& V_p, const Motion6<T>& dV_p,
+                                                          const Motion6<T>& V) {
     const CarriedScrew<T> psi(V_p, dV_p, S);
     const Motion6<T> sigma = psi.first + ad(V, S);
     const auto M = [&](const Motion6<T>& X) {
@@ -64,36 +81,20 @@ template <class T> struct ScrewEffects {
   }
 };
 
-/// Loads the six-vectors from entry i on, one in each SIMD lane; set6() stores one six-vector in entry i.
+/// Stores the six-vectors (a; b), one in each SIMD lane, as components k to k + 5 of entry i and those after it.
+template <class Number, class T>
+void store6(const Vec3<Number>& a, const Vec3<Number>& b, const Arrays<T>& to, int k, int i) {
+  to.store3(a, k, i);
+  to.store3(b, k + 3, i);
+}
+/// Loads the six-vectors from entry i on, one in each SIMD lane.
 template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, int i) {
   return {x.load3(0, i), x.load3(3, i)};
 }
-template <class T> void set6(const Arrays<T>& x, int i, const Motion6<T>& X) {
-  x.set3(X.w, 0, i);
-  x.set3(X.v, 3, i);
-}
 
-/// Sums n arrays over subtrees, from an entry for each body to one for each joint screw in `of_columns`.
-template <class T>
-void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
-                  const Arrays<T>& of_columns) noexcept {
-  using L = Lanes<T>;
-  for (int i = topology.n; i > 0; --i)
-    if (const int p = topology.parent[i]; p > 0)
-      for (int k = 0; k < n; ++k) of_bodies.array(k)[p] += of_bodies.array(k)[i];
-  for (int i = 1, next; i <= topology.n; i = next) {
-    const int c = topology.first_screw[i], hinges = topology.hinges[i];
-    next = i + std::max(hinges, 1);
-    if (hinges > 0)  // lanes beyond the last hinge are overwritten by the next bodies
-      for (int k = 0; k < n; ++k)
-        for (int x = 0; x < hinges; x += L::width)
-          L::store(L::load(of_bodies.array(k) + i + x), of_columns.array(k) + c + x);
-    else
-      for (int k = 0; k < n; ++k)
-        std::fill(of_columns.array(k) + c, of_columns.array(k) + topology.first_screw[next],
-                  of_bodies.array(k)[i]);
-  }
-}
+/// A joint screw S, the twist V_p of the predecessor and its rate with gravity included, and the twist V of the
+/// body that the joint moves.
+template <class T> struct MovingColumn { Motion6<T> S, V_p, dV_p, V; };
 
 /// The joint screws of a moving tree, and the quantities on which displacements along them depend, in
 /// inertial axes about the origins of the roots at this instant. A column is one joint screw; columns of a
@@ -102,128 +103,167 @@ void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
   using Number = typename L::Number;
+  using G = typename FastGeometry<T>::type;
+  using Vector = typename G::Vector;
+  using Factor = typename G::Factor;
   struct SpatialMotion {
-    Motion6<T> V, dV;
+    Vector w, v, dw, dv;
+  };
+  /// Offsets of the vectors in the row of a body: the columns of its rotation R, its position r, its twist (w;
+  /// v), and the rate of its twist with gravity included.
+  struct OfBody {
+    static constexpr int R_x = 0, R_y = 4, R_z = 8, r = 12, w = 16, v = 20, dw = 24, dv = 28;
+  };
+  /// Offsets of the six-vectors of a MovingColumn in its row; their second vectors follow.
+  struct OfColumn {
+    static constexpr int S = 0, V_p = 8, dV_p = 16, V = 24;
   };
 
   FastPoses<T> poses;
-  Arrays<T> C, V, dV;     ///< for each body: its pose (columns of R, then r), its twist, and the rate of its
-                          ///< twist with gravity included
-  SpatialMotion* moving;  ///< V and dV of each body
-  Arrays<T> moved;        ///< MovingInertia of each body; after compose() that of its subtree
-  Arrays<T> S, V_p, dV_p,
-      V_i;            ///< for each column: the screw, the twist of the predecessor and its rate, and the
-                      ///< twist of the body
-  Arrays<T> subtree;  ///< for each column: MovingInertia of the subtree
+  NumberRows<T, 32> bodies, columns;
+  SpatialMotion* branch;  ///< motions of bodies with more than one successor
+  NumberRows<T, MovingInertia<T>::size>
+      moved;     ///< MovingInertia of each body; after compose() that of its subtree
+  int* body_of;  ///< for each column: the body that its joint moves
 
   explicit MovingScrews(Arena& arena)
       : poses(arena),
-        C(arena, 12, arena.topology().n + 1),
-        V(arena, 6, arena.topology().n + 1),
-        dV(arena, 6, arena.topology().n + 1),
-        moving(arena.per_body<SpatialMotion>()),
-        moved(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n + 1),
-        S(arena, 6, arena.topology().n_screws),
-        V_p(arena, 6, arena.topology().n_screws),
-        dV_p(arena, 6, arena.topology().n_screws),
-        V_i(arena, 6, arena.topology().n_screws),
-        subtree(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n_screws) {}
+        bodies(arena, arena.topology().n + 1),
+        columns(arena, arena.topology().n_screws),
+        branch(arena.per_body<SpatialMotion>()),
+        moved(arena, arena.topology().n + 1),
+        body_of(arena.per_screw<int>()) {}
 
   /// Computes the motion and the MovingInertia of each body, and the joint screws.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
-    moving[0] = {{}, {{}, -g}};
+    SpatialMotion last{Vector{}, Vector{}, Vector{}, Vector(-g)};
+    branch[0] = last;
     poses.template run<FastPoses<T>::From::root>(tree, q, [&](int i, const auto& at) {
-      const SE3<T> C_i = axode::pose<T>(at);
-      SpatialMotion next = moving[tree->parent[i]];
+      const int p = tree->parent[i], s = tree->first_screw[i];
+      if (p != i - 1) last = branch[p];
       if (is_hinge(tree, i)) [[likely]] {
-        const int s = tree->first_screw[i], c = tree->iv[i];
-        add(s, {C_i.R.z, cross(C_i.r, C_i.R.z)}, moving[tree->parent[i]], v[c], a[c], next);
-        set6(V_i, s, next.V);
+        const int c = tree->iv[i];
+        body_of[s] = i;
+        last = moved_by(s, at.R.z, cross(Factor(at.r), Factor(at.R.z)), last, last, v[c], a[c]);
+        set_twist(s, last);
       } else {
-        add_joint(tree, i, C_i, v, a, next);
+        last = moved_by_joint(tree, i, axode::pose<T>(at), v, a, last);
       }
-      C.set3(C_i.R.x, 0, i);
-      C.set3(C_i.R.y, 3, i);
-      C.set3(C_i.R.z, 6, i);
-      C.set3(C_i.r, 9, i);
-      set6(V, i, next.V);
-      set6(dV, i, next.dV);
-      moving[i] = next;
+      bodies.set3(at.R.x, i, OfBody::R_x);
+      bodies.set3(at.R.y, i, OfBody::R_y);
+      bodies.set3(at.R.z, i, OfBody::R_z);
+      bodies.set3(at.r, i, OfBody::r);
+      bodies.set3(last.w, i, OfBody::w);
+      bodies.set3(last.v, i, OfBody::v);
+      bodies.set3(last.dw, i, OfBody::dw);
+      bodies.set3(last.dv, i, OfBody::dv);
+      if (tree->branches[i]) branch[i] = last;
     });
-    for (int i = 0; i <= tree->n; i += L::width) {
-      const SE3<Number> at{{C.load3(0, i), C.load3(3, i), C.load3(6, i)}, C.load3(9, i)};
+    for (int i = 1; i <= tree->n; i += L::width) {
+      typename NumberRows<T, 32>::Components x;
+      bodies.load([i](int l) { return i + l; }, x);
+      const auto vector = [&](int k) { return bodies.vector(x, k); };
+      const SE3<Number> at{{vector(OfBody::R_x), vector(OfBody::R_y), vector(OfBody::R_z)},
+                           vector(OfBody::r)};
       const Inertia<Number> M = transform(at, inertias_in_lanes<T>(tree, i));
-      const auto numbers = std::bit_cast<typename MovingInertia<Number>::Entries>(
-          MovingInertia<Number>::of(M, load6(V, i), load6(dV, i)));
-      for (std::size_t k = 0; k < numbers.size(); ++k)
-        L::store(numbers[k], moved.array(static_cast<int>(k)) + i);
+      typename decltype(moved)::Components numbers;
+      MovingInertia<Number>::of(M, {vector(OfBody::w), vector(OfBody::v)},
+                                {vector(OfBody::dw), vector(OfBody::dv)})
+          .to(numbers);
+      moved.store(numbers, i);
     }
   }
 
   /// Applies an external wrench W (in inertial axes about O) on body i, before compose().
   void load(int i, const Wrench<Spatial, T>& W) const noexcept {
-    moved.set3(moved.get3(22, i) - W.m, 22, i);
-    moved.set3(moved.get3(25, i) - W.f, 25, i);
+    moved.set3(moved.get3(i, MovingInertia<T>::moment) - W.m, i, MovingInertia<T>::moment);
+    moved.set3(moved.get3(i, MovingInertia<T>::force) - W.f, i, MovingInertia<T>::force);
   }
 
   /// Sums MovingInertia over the subtree of each joint.
-  void compose(const Topology& topology) noexcept {
-    sum_subtrees(topology, static_cast<int>(MovingInertia<T>::size), moved, subtree);
-  }
+  void compose(const Topology& topology) noexcept { moved.sum_subtrees(topology); }
   /// The wrench that the joint of body i transmits to the body, after compose().
-  Wrench<Spatial, T> transmitted(int i) const { return {moved.get3(22, i), moved.get3(25, i)}; }
+  Wrench<Spatial, T> transmitted(int i) const {
+    return {moved.get3(i, MovingInertia<T>::moment), moved.get3(i, MovingInertia<T>::force)};
+  }
 
-  /// The ScrewEffects of the columns from c on, one column in each lane, after compose().
-  ScrewEffects<Number> effects(int c) const {
-    return ScrewEffects<Number>::of(subtree_of_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c),
-                                    load6(V_i, c));
+  /// The columns from c on, one in each lane.
+  [[gnu::always_inline]] MovingColumn<Number> columns_from(int c) const {
+    typename NumberRows<T, 32>::Components x;
+    columns.load([c](int l) { return c + l; }, x);
+    const auto six_of = [&](int k) {
+      return Motion6<Number>{columns.vector(x, k), columns.vector(x, k + 4)};
+    };
+    return {six_of(OfColumn::S), six_of(OfColumn::V_p), six_of(OfColumn::dV_p), six_of(OfColumn::V)};
+  }
+  /// The rates of the twists of the bodies that the columns from c on, of `n_columns`, move.
+  Motion6<Number> twist_rates_of_columns(int c, int n_columns) const {
+    typename NumberRows<T, 32>::Components x;
+    bodies.load([&](int l) { return body_of[std::min(c + l, n_columns - 1)]; }, x);
+    return {bodies.vector(x, OfBody::dw), bodies.vector(x, OfBody::dv)};
   }
   /// MovingInertia of the bodies from i on, one body in each lane, before compose().
-  MovingInertia<Number> bodies(int i) const { return several(moved, i); }
-  /// MovingInertia of the subtrees of the joint screws from c on, one in each SIMD lane, after compose().
-  MovingInertia<Number> subtree_of_columns(int c) const { return several(subtree, c); }
-  MovingInertia<T> subtree_of_column(int c) const {
-    typename MovingInertia<T>::Entries numbers;
-    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = subtree.array(static_cast<int>(k))[c];
-    return std::bit_cast<MovingInertia<T>>(numbers);
+  MovingInertia<Number> bodies_from(int i) const {
+    return in_lanes([i](int l) { return i + l; });
   }
+  /// MovingInertia of the subtrees of the joint screws from c on, one in each SIMD lane, after compose().
+  /// Lanes beyond the last column, of `n_columns`, repeat it.
+  [[gnu::always_inline]] MovingInertia<Number> subtrees_of_columns(int c, int n_columns) const {
+    return in_lanes([&](int l) { return body_of[std::min(c + l, n_columns - 1)]; });
+  }
+  MovingInertia<T> subtree_of_column(int c) const { return MovingInertia<T>::from(moved.row(body_of[c])); }
   /// The pose of body i in inertial axes, relative to the origin of its root.
-  SE3<T> pose(int i) const { return {{C.get3(0, i), C.get3(3, i), C.get3(6, i)}, C.get3(9, i)}; }
-  Motion6<T> screw(int c) const { return {S.get3(0, c), S.get3(3, c)}; }
+  SE3<T> pose(int i) const {
+    return {{bodies.get3(i, OfBody::R_x), bodies.get3(i, OfBody::R_y), bodies.get3(i, OfBody::R_z)},
+            bodies.get3(i, OfBody::r)};
+  }
+  /// A six-vector of column c.
+  Motion6<T> six(int c, int k) const { return {columns.get3(c, k), columns.get3(c, k + 4)}; }
+  Motion6<T> screw(int c) const { return six(c, OfColumn::S); }
 
  private:
-  /// Adds the motion of one joint screw S_c (column c) with the velocity v and the acceleration a, and stores
-  /// the screw. The twist of the body increases by v S_c, and its rate by a S_c + v [V_p, S_c], where V_p is
-  /// the twist of the predecessor.
-  void add(int c, const Motion6<T>& S_c, const SpatialMotion& p, const T& v, const T& a,
-           SpatialMotion& next) noexcept {
-    set6(S, c, S_c);
-    set6(V_p, c, p.V);
-    set6(dV_p, c, p.dV);
-    const Motion6<T> psi = ad(p.V, S_c);
-    next.V += v * S_c;
-    next.dV += a * S_c + v * psi;
+  /// The motion `next` after a joint screw (e; s) in column c has been added, by its velocity dq and its
+  /// acceleration ddq, to the motion of the predecessor p and that of the screws of the joint before: V += S
+  /// dq and V' += S ddq + [V_p, S] dq.
+  [[gnu::always_inline]] SpatialMotion moved_by(int c, const Vector& e, const Vector& s,
+                                                const SpatialMotion& p, const SpatialMotion& before,
+                                                const T& dq, const T& ddq) const noexcept {
+    columns.set3(e, c, OfColumn::S);
+    columns.set3(s, c, OfColumn::S + 4);
+    columns.set3(p.w, c, OfColumn::V_p);
+    columns.set3(p.v, c, OfColumn::V_p + 4);
+    columns.set3(p.dw, c, OfColumn::dV_p);
+    columns.set3(p.dv, c, OfColumn::dV_p + 4);
+    const Factor e_(e), w_p(p.w);
+    const Vector turned = cross(w_p, e_), moved_on = cross(Factor(p.v), e_) + cross(w_p, Factor(s));
+    return {before.w + dq * e, before.v + dq * s, before.dw + (ddq * e + dq * turned),
+            before.dv + (ddq * s + dq * moved_on)};
+  }
+  void set_twist(int c, const SpatialMotion& of_body) const noexcept {
+    columns.set3(of_body.w, c, OfColumn::V);
+    columns.set3(of_body.v, c, OfColumn::V + 4);
   }
   template <class Real>
-  [[gnu::noinline]] void add_joint(const Tree<Real>& tree, int i, const SE3<T>& C_i, const T* v, const T* a,
-                                   SpatialMotion& next) noexcept {
-    const SpatialMotion p = next;
+  [[gnu::noinline]] SpatialMotion moved_by_joint(const Tree<Real>& tree, int i, const SE3<T>& C_i, const T* v,
+                                                 const T* a, const SpatialMotion& p) const noexcept {
     const int first = tree->first_screw[i], c = tree->iv[i];
     const T ratio(tree.ratio[i]);
+    SpatialMotion next = p;
     with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
       for (int k = 0; k < joint.nv; ++k) {
         const Screw<T> X = joint.column(C_i, k);
-        add(first + k, ratio * Motion6<T>{X.w, X.v}, p, v[c + k], a[c + k], next);
+        body_of[first + k] = i;
+        next = moved_by(first + k, Vector(ratio * X.w), Vector(ratio * X.v), p, next, v[c + k], a[c + k]);
       }
-      for (int k = 0; k < joint.nv; ++k) set6(V_i, first + k, next.V);
+      for (int k = 0; k < joint.nv; ++k) set_twist(first + k, next);
     });
+    return next;
   }
-  static MovingInertia<Number> several(const Arrays<T>& x, int first) {
-    typename MovingInertia<Number>::Entries numbers;
-    for (std::size_t k = 0; k < numbers.size(); ++k)
-      numbers[k] = L::load(x.array(static_cast<int>(k)) + first);
-    return std::bit_cast<MovingInertia<Number>>(numbers);
+  template <class Row> [[gnu::always_inline]] MovingInertia<Number> in_lanes(const Row& row) const {
+    typename decltype(moved)::Components x;
+    moved.load(row, x);
+    return MovingInertia<Number>::from(x);
   }
 };
 

@@ -14,8 +14,18 @@ template <class T> struct VirtualMomentum {
   Vec3<T> H;
   Mat3<T> D;
 
-  static constexpr std::size_t size = 18;
-  using Entries = std::array<T, size>;
+  static constexpr int size = 18;  ///< number of numbers
+
+  /// Reads all members from an array x of numbers.
+  template <class Numbers> static constexpr VirtualMomentum from(const Numbers& x) {
+    const auto vector = [&](int k) { return Vec3<T>{x[k], x[k + 1], x[k + 2]}; };
+    return {{vector(0), vector(3)}, vector(6), {vector(9), vector(12), vector(15)}};
+  }
+  /// Writes all members to an array x of numbers.
+  template <class Numbers> constexpr void to(Numbers& x) const {
+    const auto set = [&](const Vec3<T>& a, int k) { x[k] = a.x, x[k + 1] = a.y, x[k + 2] = a.z; };
+    set(A.m, 0), set(A.f, 3), set(H, 6), set(D.x, 9), set(D.y, 12), set(D.z, 15);
+  }
 
   static constexpr VirtualMomentum of(const MovingInertia<T>& body, const Motion6<T>& Lambda) {
     const Momentum<Spatial, T> A = body.M * Lambda;
@@ -31,25 +41,25 @@ template <class T> struct VirtualMomentum {
 /// the weights λ as velocities, and `psi_1` is [V_p, S] with its twist V_p.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
-  Wrench<Spatial, T> X, Y, Z, Q;
+  Wrench<Spatial, T> X, Y, Z;
   Wrench<Spatial, T> AS;  ///< hat(A) S = -ad_Sᵀ A
 
-  static constexpr std::size_t size = 42;
-  using Entries = std::array<T, size>;
+  static constexpr int size = 42;  ///< number of numbers of all members, and of a wrench Q due to loads
 
-  /// Computes all members for a joint screw S except the wrench Q, which is 0 without loads. `moved` and
-  /// `momentum` have the inertias and momenta of the subtree of the joint. V_p is the twist of the
-  /// predecessor, and Lambda_p the twist that it would have if the joints moved with the weights λ as
-  /// velocities.
-  static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
-                                     const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
+  /// Computes all members for a joint screw S. `moved` and `momentum` are sums over the subtree, V_p is the
+  /// twist of the predecessor, and Lambda_p the twist that it would have if the joints moved with the
+  /// velocities λ.
+  [[gnu::always_inline]] static constexpr ScrewCurvature of(const MovingInertia<T>& moved,
+                                                            const VirtualMomentum<T>& momentum,
+                                                            const Motion6<T>& S, const Motion6<T>& V_p,
+                                                            const Motion6<T>& Lambda_p) {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
     const Momentum<Spatial, T> M_chi = moved.M * chi;
     const Wrench<Spatial, T> AS = coad(S, momentum.A), BS = momentum.B() * S;
     const Wrench<Spatial, T> X = Wrench<Spatial, T>{moved.B.transposed_times(chi), {}} -
                                  momentum.B() * psi_1 + coad(S, Wrench<Spatial, T>{momentum.H, {}}) +
                                  T(2) * coad(psi_1, momentum.A);
-    return {chi, psi_1, X, Wrench<Spatial, T>{M_chi.l, M_chi.p} + AS, T(2) * AS - BS, {}, AS};
+    return {chi, psi_1, X, Wrench<Spatial, T>{M_chi.l, M_chi.p} + AS, T(2) * AS - BS, AS};
   }
 };
 
@@ -68,22 +78,17 @@ template <class T> struct SecondOrder {
   static constexpr int results = 6;
 
   FirstOrder<T> first;
-  Motion6<T>* Lambda;
-  Arrays<T> Lambdas, momenta;               ///< for each body: Λ, and VirtualMomentum of the body, later of
-                                            ///< its subtree
-  Arrays<T> Lambda_p, momentum, curvature;  ///< for each column: Λ of the predecessor, VirtualMomentum of the
-                                            ///< subtree, and ScrewCurvature
+  NumberRows<T, 8> Lambda;                          ///< Λ of each body: its angular and its linear part
+  NumberRows<T, VirtualMomentum<T>::size> momenta;  ///< VirtualMomentum of each body, later of its subtree
+  Arrays<T> curvature;                              ///< ScrewCurvature of each column
   Arrays<T> line;
   TwistToWrench<Spatial, T>* K;  ///< minus the second derivatives of the power of the loads on Λ
 
   explicit SecondOrder(Arena& arena)
       : first(arena),
-        Lambda(arena.per_body<Motion6<T>>()),
-        Lambdas(arena, 6, arena.topology().n + 1),
-        momenta(arena, static_cast<int>(VirtualMomentum<T>::size), arena.topology().n + 1),
-        Lambda_p(arena, 6, arena.topology().n_screws),
-        momentum(arena, static_cast<int>(VirtualMomentum<T>::size), arena.topology().n_screws),
-        curvature(arena, static_cast<int>(ScrewCurvature<T>::size), arena.topology().n_screws),
+        Lambda(arena, arena.topology().n + 1),
+        momenta(arena, arena.topology().n + 1),
+        curvature(arena, ScrewCurvature<T>::size, arena.topology().n_screws),
         line(arena, results, arena.topology().n_screws),
         K(arena.per_body<TwistToWrench<Spatial, T>>()) {}
 
@@ -137,62 +142,74 @@ template <class T> struct SecondOrder {
 
   /// Computes the adjoint twist Λ and the VirtualMomentum of each body.
   void compute_adjoint_twists(const Topology& topology, const T* lambda) noexcept {
-    Lambda[0] = {};
-    set6(Lambdas, 0, Lambda[0]);
+    set_adjoint_twist(0, {});
     for (int i = 1; i <= topology.n; ++i) {
-      const Motion6<T> Lambda_before = Lambda[topology.parent[i]];
-      Lambda[i] = Lambda_before;
-      for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
-        set6(Lambda_p, s, Lambda_before);
-        Lambda[i] += lambda[topology.iv[i] + s - topology.first_screw[i]] * first.screws.screw(s);
-      }
-      set6(Lambdas, i, Lambda[i]);
+      Motion6<T> next = adjoint_twist(topology.parent[i]);
+      for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
+        next += lambda[topology.iv[i] + s - topology.first_screw[i]] * first.screws.screw(s);
+      set_adjoint_twist(i, next);
     }
-    for (int i = 0; i <= topology.n; i += L::width) {
-      const auto numbers = std::bit_cast<typename VirtualMomentum<Number>::Entries>(
-          VirtualMomentum<Number>::of(first.screws.bodies(i), load6(Lambdas, i)));
-      for (std::size_t k = 0; k < numbers.size(); ++k)
-        L::store(numbers[k], momenta.array(static_cast<int>(k)) + i);
+    for (int i = 1; i <= topology.n; i += L::width) {
+      typename decltype(momenta)::Components numbers;
+      VirtualMomentum<Number>::of(first.screws.bodies_from(i), adjoint_twists([i](int l) { return i + l; }))
+          .to(numbers);
+      momenta.store(numbers, i);
     }
   }
-  /// Computes a matrix K for each body: minus the second derivatives, by displacements of the body, of the
-  /// power of its loads along the twist Λ. Λ is the twist that the body would have if the joints moved with
-  /// the weights λ of the forces τ as velocities.
+  Motion6<T> adjoint_twist(int i) const { return {Lambda.get3(i, 0), Lambda.get3(i, 4)}; }
+  void set_adjoint_twist(int i, const Motion6<T>& twist) const {
+    Lambda.set3(twist.w, i, 0);
+    Lambda.set3(twist.v, i, 4);
+  }
+  /// Λ of the bodies i(0), i(1), ..., one body in each lane.
+  template <class Row> [[gnu::always_inline]] Motion6<Number> adjoint_twists(const Row& i) const {
+    typename NumberRows<T, 8>::Components x;
+    Lambda.load(i, x);
+    return {Lambda.vector(x, 0), Lambda.vector(x, 4)};
+  }
+  /// Computes for each body the matrix K of the second derivatives, with the opposite sign, of the power of
+  /// its loads along the twist Λ that it would have if the joints moved with the velocities λ, when the body
+  /// is displaced twice.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
-    first.each_load(tree, wrenches,
-                    [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
-                      const Representation in = given.representation;
-                      const Vec3<T> v =
-                          Lambda[i].v + cross(Lambda[i].w, r);  // the velocity of Λ at the point of the load
-                      const auto change_of = [&](const Vec3<T>& x, const Vec3<T>& y, const Vec3<T>& w) {
-                        return dot(x, y) * w - dot(y, w) * x;
-                      };
-                      K[i] += TwistToWrench<Spatial, T>::of([&](const Motion6<T>& D) -> Wrench<Spatial, T> {
-                        switch (in) {
-                          case Representation::body: break;
-                          case Representation::spatial:
-                            return coad(ad(Lambda[i], D), Wrench<Spatial, T>{m + cross(r, f), f});
-                          case Representation::hybrid:
-                            return {change_of(Lambda[i].w, m, D.w) + change_of(v, f, D.w), {}};
-                          case Representation::mixed: return {change_of(v, f, D.w), {}};
-                        }
-                        return {};
-                      });
-                    });
+    first.each_load(
+        tree, wrenches, [&](const auto& given, int i, const Vec3<T>& r, const Vec3<T>& m, const Vec3<T>& f) {
+          const Representation in = given.representation;
+          const Motion6<T> Lambda_i = adjoint_twist(i);
+          const Vec3<T> v = Lambda_i.v + cross(Lambda_i.w, r);  // the velocity of Λ at the point of the load
+          const auto change_of = [&](const Vec3<T>& x, const Vec3<T>& y, const Vec3<T>& w) {
+            return dot(x, y) * w - dot(y, w) * x;
+          };
+          K[i] += TwistToWrench<Spatial, T>::of([&](const Motion6<T>& D) -> Wrench<Spatial, T> {
+            switch (in) {
+              case Representation::body: break;
+              case Representation::spatial:
+                return coad(ad(Lambda_i, D), Wrench<Spatial, T>{m + cross(r, f), f});
+              case Representation::hybrid: return {change_of(Lambda_i.w, m, D.w) + change_of(v, f, D.w), {}};
+              case Representation::mixed: return {change_of(v, f, D.w), {}};
+            }
+            return {};
+          });
+        });
   }
   void compose(const Topology& topology, bool loaded) noexcept {
-    sum_subtrees(topology, static_cast<int>(VirtualMomentum<T>::size), momenta, momentum);
+    momenta.sum_subtrees(topology);
     const MovingScrews<T>& screws = first.screws;
     for (int c = 0; c < topology.n_screws; c += L::width) {
-      typename VirtualMomentum<Number>::Entries Pi;
-      for (std::size_t k = 0; k < Pi.size(); ++k) Pi[k] = L::load(momentum.array(static_cast<int>(k)) + c);
-      const auto numbers = std::bit_cast<typename ScrewCurvature<Number>::Entries>(
-          ScrewCurvature<Number>::of(screws.subtree_of_columns(c), std::bit_cast<VirtualMomentum<Number>>(Pi),
-                                     load6(screws.S, c), load6(screws.V_p, c), load6(Lambda_p, c)));
-      for (std::size_t k = 0; k < numbers.size(); ++k)
-        L::store(numbers[k], curvature.array(static_cast<int>(k)) + c);
+      const auto body = [&](int l) { return screws.body_of[std::min(c + l, topology.n_screws - 1)]; };
+      typename decltype(momenta)::Components Pi;
+      momenta.load(body, Pi);
+      const MovingColumn<Number> column = screws.columns_from(c);
+      const auto x = ScrewCurvature<Number>::of(
+          screws.subtrees_of_columns(c, topology.n_screws), VirtualMomentum<Number>::from(Pi), column.S,
+          column.V_p, adjoint_twists([&](int l) { return topology.parent[body(l)]; }));
+      store6(x.chi.w, x.chi.v, curvature, chi, c);
+      store6(x.psi_1.w, x.psi_1.v, curvature, psi_1, c);
+      store6(x.X.m, x.X.f, curvature, X, c);
+      store6(x.Y.m, x.Y.f, curvature, Y, c);
+      store6(x.Z.m, x.Z.f, curvature, Z, c);
+      store6(x.AS.m, x.AS.f, curvature, AS, c);
     }
     if (!loaded) return;
     sum_subtrees(topology, K);
@@ -210,9 +227,7 @@ template <class T> struct SecondOrder {
   /// S_l | -ad_{S_k}ᵀ A, where A is the sum over the subtree of M Λ, the inertia times the twist of a body
   /// for joint velocities equal to the weights λ.
   T own_bracket(int l, int k) const {
-    T sum(0);
-    for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
-    return sum;
+    return Wrench<Spatial, T>{curvature.get3(AS, k), curvature.get3(AS + 3, k)} | first.screws.screw(l);
   }
   /// Multiplies the screws and wrenches that belong to joint screw l (ScrewEffects and ScrewCurvature) with
   /// those of the joint screws from `begin` to `end` - 1, and writes the products to `line`, in six arrays.

@@ -46,7 +46,7 @@ template <class T> struct SecondOrderTensors {
            const SecondDerivatives<T>& out) noexcept {
     const Topology& topology = *tree.operator->();
     first.run(tree, q, v, a, Loads<T>{});
-    for (int c = 0; c < topology.n_screws; c += L::width) find_twins(c);
+    for (int c = 0; c < topology.n_screws; c += L::width) find_twins(c, topology.n_screws);
     const std::ptrdiff_t nv = topology.nv;
     for (T* const tensor : {out.qq, out.qv, out.vv, out.aq}) std::fill_n(tensor, nv * nv * nv, T(0));
     for (int i = 1; i <= topology.n; ++i) {
@@ -78,10 +78,11 @@ template <class T> struct SecondOrderTensors {
   enum Wrenches { US, BS, Bpsi, RS, PS, for_g, for_G, for_h, for_H, wrenches };
   enum Products { u, b, f, also_f, g, G, h, H, products };
 
-  void find_twins(int c) noexcept {
+  void find_twins(int c, int n_columns) noexcept {
     const MovingScrews<T>& screws = first.screws;
-    const MovingInertia<Number> moved = screws.subtree_of_columns(c);
-    const Motion6<Number> S = load6(screws.S, c), psi = ad(load6(screws.V_p, c), S);
+    const MovingInertia<Number> moved = screws.subtrees_of_columns(c, n_columns);
+    const MovingColumn<Number> column = screws.columns_from(c);
+    const Motion6<Number>&S = column.S, psi = ad(column.V_p, S);
     CoriolisInertia<Number> of_psi = CoriolisInertia<Number>::of(moved.M, psi);
     of_psi += moved.B.along(S);
     psi_1.store3(psi.w, 0, c);
@@ -102,7 +103,7 @@ template <class T> struct SecondOrderTensors {
     for (int c = topology.first_screw[i]; c < topology.first_screw[i + 1]; ++c, ++e) {
       velocity[e] = topology.iv[i] + e - begin[i];
       for (int k = 0; k < 6; ++k) {
-        path_S.array(k)[e] = first.screws.S.array(k)[c];
+        path_S.array(k)[e] = first.effect.array(Part::S + k)[c];
         path_psi.array(k)[e] = psi_1.array(k)[c];
         path_psi_2.array(k)[e] = first.effect.array(Part::psi_2 + k)[c];
         path_sigma.array(k)[e] = first.effect.array(Part::sigma + k)[c];
