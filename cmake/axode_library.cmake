@@ -75,6 +75,11 @@ set(AXODE_PER_REPRESENTATION_AND_FAST
 set(AXODE_ROWS
     catalog/functions)
 
+# Sources of kernels that exist in double only.
+set(AXODE_IN_DOUBLE
+    constraints/embedding/task_kernel
+    constraints/embedding/task_ranks)
+
 set(AXODE_FAST_PER_SCALAR
     constraints/loop_system/loop_derivatives
     derivatives/forward_dynamics_derivatives
@@ -183,7 +188,7 @@ axode_instantiate_for_sets(to_dynamics_double axode_largest_footprint "" workspa
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
 set(floors_beyond_dynamics derivatives constraints contact drives integration catalog)
 set(instantiated AXODE_PER_SCALAR AXODE_FAST_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_FAST_PER_REPRESENTATION
-                 AXODE_PER_REPRESENTATION_AND_FAST AXODE_ROWS)
+                 AXODE_PER_REPRESENTATION_AND_FAST AXODE_ROWS AXODE_IN_DOUBLE)
 foreach(fast IN LISTS AXODE_FAST_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST AXODE_FAST_PER_SCALAR)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${fast}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
@@ -208,6 +213,7 @@ function(axode_add_part part)
   foreach(list IN LISTS instantiated)
     list(FILTER ${list} INCLUDE REGEX "^(${floors})/")
   endforeach()
+  axode_instantiate_for_sets(${part}_double axode_${part}_in_double "" ${AXODE_IN_DOUBLE})
   set(instantiate_double axode_instantiate_for_sets)
   set(instantiate_float axode_instantiate)
   foreach(T double float)

@@ -1,11 +1,11 @@
 #pragma once
-#include <Eigen/Cholesky>
-
 #include "axode/constraints/embedding/task_space.hpp"
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/scalar/index.hpp"
 
 namespace axode {
+
+class LimbPack;
 
 /// Checks the results of a computation that ended with `verdict`, which says whether it succeeded or what was
 /// singular. Returns this verdict, or not_finite if the computation succeeded but a result is not finite.
@@ -15,27 +15,24 @@ TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>>
 /// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
 /// and velocities of joints that the platform does not determine. The dependent velocities of each limb (a
 /// chain that carries the platform) are eliminated from its loop equations. The equations that remain
-/// restrict the carrying velocities, those of the joints between the ground and the platform.
-class TaskKernel {
+/// restrict the carrying velocities, those of the joints between the ground and the platform. Limbs of the same
+/// shape are computed together, in SIMD lanes.
+class AXODE_ENTRY TaskKernel {
  public:
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   struct Part {
-    std::vector<int> velocities;  ///< dependent velocities, followed by the inner ones
+    std::vector<int> velocities;  ///< dependent velocities, those without a drive first, and the inner ones
     std::vector<int> loops, rows;
     int dependent = 0;
-    int first_inner = 0;   ///< index of the first inner velocity of this limb among the task velocities
     bool coupled = false;  ///< whether the mass matrix of the tree couples this limb with the carrying
                            ///< velocities
-    RowElimination<double> matrix;
-    Matrix F;     ///< velocities of the limb × f task velocities: rows of F (D18.6)
-    Vector x, b;  ///< scratch memory, one number for each velocity and for each row
     int inner() const { return static_cast<int>(velocities.size()) - dependent; }
-    int first_carrying() const { return static_cast<int>(velocities.size()); }
   };
 
   TaskKernel(const Model& model, std::span<const double> q, int platform);
+  ~TaskKernel();
 
   int freedom() const { return freedom_; }
   LoopSystem<double>& system() { return system_; }
@@ -55,11 +52,20 @@ class TaskKernel {
   void expand(const double* X, const double* gamma, double* x) noexcept;
   /// Computes the rows of F of all limbs (D18.6). Must be called after resolve().
   void make_F() noexcept;
-  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. The kinematics at
-  /// q must have been computed, and then the matrix that maps task velocities to joint velocities.
+  /// Writes F (D18.6), nv × f. Must be called after make_F().
+  void write_F(Eigen::MatrixXd& F) const;
+  /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
+  /// matrix M and bias forces h. They are valid until the next call.
+  std::span<double> tree_forces(std::span<const double> q, std::span<const double> v, const double* a,
+                                const Loads<double>& loads) noexcept;
+  /// Computes the drive forces τ (nv) for the forces f (nv) that the tree needs ((D18.7) to (D18.9)). Returns
+  /// false, without results, if a motion has no drive. Must be called after resolve().
+  bool drive_forces(const double* f, double* tau) noexcept;
+  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. Requires make_F()
+  /// and the kinematics at q.
   void make_M(std::span<const double> q) noexcept;
   /// Computes Fᵀ w (f) for w (nv). Must be called after make_F().
-  void project(const double* w, double* out) const noexcept;
+  void project(const double* w, double* out) noexcept;
   /// Subtracts M x (nv) from w, with the mass matrix M of the spanning tree. Requires make_M().
   void subtract_inertia_forces(const double* x, double* w) const noexcept;
   const Matrix& M() const { return M_; }
@@ -80,18 +86,23 @@ class TaskKernel {
   Vector acceleration, bias;  ///< scratch memory of nv and of loops().rows numbers
 
  private:
+  bool has_drive(int c) const { return model().loops().driven[index(c)] != 0; }
   void make_parts(const Limbs& limbs);
   void determine_ranks();
+  /// Puts the limbs into packs, with the carrying velocities in their present order.
+  void make_packs();
   void choose_components();
-  /// Sorts velocities by the pivots that an elimination chose: first the dependent velocities, which are
-  /// those of the pivots, then the others, each in ascending order. Returns the number of dependent
-  /// velocities.
+  /// Orders velocities as an elimination chose its pivots: the dependent velocities, those without a drive
+  /// first, then the others, each in ascending order. Returns the number of dependent velocities.
   int sort(const RowElimination<double>& matrix, std::vector<int>& velocities);
   void number_columns(const std::vector<int>& velocities);
-  /// Fill the matrix of a limb (a chain that carries the platform), or of the platform's joint, with its loop
-  /// equations and eliminate the velocities that follow from the others. Both return whether the rank is
-  /// certain.
-  bool eliminate(Part& part) noexcept;
+  /// Finds the dependent velocities of a limb. Throws std::invalid_argument if rounding leaves the rank open.
+  void determine_rank(Part& part);
+  /// Eliminates the dependent velocities of all limbs from their loop equations. Returns the index of a limb
+  /// that is singular; -1 if there is none.
+  int eliminate_limbs() noexcept;
+  /// Eliminates the carrying velocities that follow from the others from what the limbs have left over.
+  /// Returns whether the rank is certain.
   bool eliminate_constraints() noexcept;
   /// Computes N for the independent carrying velocities as task velocities, N_c of (D18.4).
   void solve_constraints() noexcept;
@@ -99,17 +110,25 @@ class TaskKernel {
   /// components of the platform's twist: changes the matrix N that maps task velocities to the velocities of
   /// the joint. Returns whether these components determine the motion.
   bool change_to_components() noexcept;
+  /// Computes the inertias of bodies first, first + 1, ..., one in each SIMD lane, about the origins of their
+  /// roots.
+  void set_inertias(int first) noexcept;
   /// Computes the mass matrix of the spanning tree at q; entries of velocities on different paths remain 0.
   void make_tree_M(std::span<const double> q) noexcept;
 
   LoopSystem<double> system_;
   Workspace<double> workspace_;
   std::vector<Part> parts_;
-  std::vector<int> column_;    ///< nv: column of each velocity in the matrix of its limb, or its index among
-                               ///< the carrying velocities
-  std::vector<char> carries_;  ///< nv: whether each velocity is carrying
-  std::vector<int> carrying_;  ///< the dependent carrying velocities, followed by the independent ones
-  int dependent_ = 0;          ///< number of dependent carrying velocities
+  std::vector<LimbPack> packs_;
+  std::vector<int>
+      first_inner_;  ///< for each limb: the first of its inner velocities among the task velocities
+  std::unique_ptr<WithScratch<double, InverseDynamicsRecursion<Fast, double>>> inverse_;
+  std::vector<double> forces_;  ///< nv: result of tree_forces()
+  std::vector<int> column_;     ///< nv: column of each velocity in the matrix of its limb, or its index among
+                                ///< the carrying velocities
+  std::vector<char> carries_;   ///< nv: whether each velocity is carrying
+  std::vector<int> carrying_;   ///< the dependent carrying velocities, followed by the independent ones
+  int dependent_ = 0;           ///< number of dependent carrying velocities
   int freedom_ = 0;
   RowElimination<double> constraints_;  ///< remaining rows of all limbs, with one column for each carrying
                                         ///< velocity
@@ -118,12 +137,15 @@ class TaskKernel {
                                  ///< velocity
   bool are_components_ = false;  ///< whether the carrying velocities themselves are the chosen components
   RowElimination<double> to_components_;
-  Matrix N_;  ///< carrying velocities × f: N of (D18.5)
-  Matrix tree_M_, M_, work_;
+  /// What the limbs have left over after the elimination of the velocities without a drive: a row for each
+  /// carrying velocity, a column for each equation, and a column for a right side.
+  Eigen::MatrixXd drives_;
+  bool drives_by_limbs_ = false;  ///< whether drive_forces() may use the elimination of resolve()
+  Matrix N_;                      ///< carrying velocities × f: N of (D18.5)
+  Matrix tree_M_, M_;
   std::vector<Inertia<>> composite_;  ///< inertia of each body with its subtree, about the origin of its root
                                       ///< body
   std::vector<int> screw_;            ///< nv: the index of the joint screw of each velocity
-  Eigen::LLT<Eigen::MatrixXd> factor_;
   Vector before_, after_, remaining_, s_, y_;
 };
 

@@ -1,6 +1,7 @@
 #include "axode/constraints/embedding/task_space.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/embedding/task_kernel.hpp"
@@ -20,6 +21,14 @@ void check_task(const char* name, std::span<const double> X, const TaskKernel& k
 }
 
 }  // namespace
+
+TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept {
+  for (const std::span<double> x : results)
+    if (verdict.ok() && !finite(x)) verdict.kind = TaskVerdict::Kind::not_finite;
+  if (!verdict.ok())
+    for (const std::span<double> x : results) std::ranges::fill(x, std::numeric_limits<double>::quiet_NaN());
+  return verdict;
+}
 
 TaskSpace::TaskSpace(const Model& model, std::span<const double> q, std::string_view platform) {
   catalog::check_counts<"TaskSpace">(model);
@@ -78,10 +87,8 @@ TaskVerdict TaskSpace::inverse_dynamics(std::span<const double> q, std::span<con
   check_size("tau", tau.size(), v.size(), "nv");
   TaskVerdict verdict = accelerations(q, v, dV, as_span(kernel.acceleration));
   if (!verdict.ok()) return judged(verdict, {tau});
-  const std::span<double> f =
-      kernel.system().force_fast(q.data(), v.data(), kernel.acceleration.data(), loads);
-  if (!kernel.system().drive_forces({}, f.data(), tau.data(), nullptr))
-    verdict.kind = TaskVerdict::Kind::drives_singular;
+  const std::span<double> f = kernel.tree_forces(q, v, kernel.acceleration.data(), loads);
+  if (!kernel.drive_forces(f.data(), tau.data())) verdict.kind = TaskVerdict::Kind::drives_singular;
   return judged(verdict, {tau});
 }
 
@@ -135,12 +142,7 @@ TaskEquations TaskSpace::equations(std::span<const double> q, std::span<const do
   kernel.subtract_inertia_forces(out.c.data(), w.data());
   kernel.project(w.data(), out.h.data());
   out.h = -out.h;
-  out.F.setZero(nv, f);
-  for (const TaskKernel::Part& part : kernel.parts())
-    for (std::size_t j = 0; j < part.velocities.size(); ++j)
-      out.F.row(part.velocities[j]) = part.F.row(static_cast<Eigen::Index>(j));
-  for (std::size_t j = 0; j < kernel.carrying().size(); ++j)
-    out.F.row(kernel.carrying()[j]) = kernel.N().row(static_cast<Eigen::Index>(j));
+  kernel.write_F(out.F);
   out.drives = driven(model(), {});
   out.J = out.F(out.drives, Eigen::indexing::all);
   return out;
