@@ -134,6 +134,28 @@ inline Drawing kite_with_crosses() {
   return ring_of(
       {pin({0, 0, 0}), pin({2, 0, 0}), pin({2, 0, 0}, y), pin({3, 0, 0}), pin({2, 0, 0}, y), pin({2, 0, 0})});
 }
+/// Wunderlich's mechanism (1954), the edges of a cube as twelve bars in a plane with pins in its corners, so that
+/// its faces are parallelograms or antiparallelograms. Bars along the same direction of the cube have the same
+/// length: 1.25, 1 and 0.75. A motion of two freedoms with two antiparallelograms and one of one freedom with four
+/// meet here. xjk is the bar along x between the corners (0, j, k) and (1, j, k); x00 is the ground.
+inline Drawing wunderlich() {
+  const auto corner = [](int x, int y, int z) {
+    const Vec3<> along_x{1, z == 0 ? 0.75 : -0.75, 0}, along_y{0, 1, 0}, along_z{0, 0.75, 0};
+    return double(x) * along_x + double(y) * along_y + double(z) * along_z;
+  };
+  Drawing out;
+  out.body("y00", "ground", pin(corner(0, 0, 0))).body("y10", "ground", pin(corner(1, 0, 0)));
+  out.body("z00", "ground", pin(corner(0, 0, 0))).body("z10", "ground", pin(corner(1, 0, 0)));
+  out.body("x10", "y00", pin(corner(0, 1, 0))).body("x01", "z00", pin(corner(0, 0, 1)));
+  out.body("z01", "y00", pin(corner(0, 1, 0))).body("z11", "y10", pin(corner(1, 1, 0)));
+  out.body("y01", "z00", pin(corner(0, 0, 1))).body("y11", "z10", pin(corner(1, 0, 1)));
+  out.body("x11", "z01", pin(corner(0, 1, 1)));
+  out.loop("x10", "y10", pin(corner(1, 1, 0)));
+  out.loop("x01", "z10", pin(corner(1, 0, 1)));
+  out.loop("z01", "y01", pin(corner(0, 1, 1)));
+  out.loop("x11", "z11", pin(corner(1, 1, 1)));
+  return out.loop("z11", "y11", pin(corner(1, 1, 1)));
+}
 /// Three legs with universal joints at either end, between a base of radius 1 and a platform.
 inline Drawing three_upu(double top, bool locked, bool radial = false) {
   Drawing out;
