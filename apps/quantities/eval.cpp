@@ -330,7 +330,9 @@ void add_eval(CLI::App& app, int& exit_code) {
   eval->add_option("--relative-to", options->relative_to, "The observer's frame of relative_jacobian")
       ->capture_default_str();
   eval->add_option("--order", options->order, "The order of derivatives, from 0")
-      ->check(CLI::Range(0, 12))
+      ->check([](const std::string& order) {
+        return order.starts_with('-') ? "order " + order + " is negative" : std::string();
+      })
       ->capture_default_str();
   eval->add_option("--coriolis", options->coriolis, "The form of C")
       ->type_name(words(coriolis_forms))
