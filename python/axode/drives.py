@@ -9,14 +9,18 @@ driven joints.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _axode
 from .support import signatures
 from ._axode import Model, Trajectory
 
-__all__ = ["PD", "ComputedTorque", "Sampled", "jerk_limited_profile", "quintic_profile", "trapezoidal_profile"]
+__all__ = ["PD", "ComputedTorque", "MotorMotion", "Sampled", "elastic_feed_forward", "jerk_limited_profile",
+           "quintic_profile", "trapezoidal_profile"]
 
 
 class Sampled:
@@ -184,6 +188,54 @@ def jerk_limited_profile(m: Model, start: ArrayLike, goal: ArrayLike, *, acceler
         s, ds, dds = (scale * x for x in found.at_time(t / unit))
         return s.tolist(), (ds / unit).tolist(), (dds / unit**2).tolist()
     return path.follow((unit * jumps[jumps < found.duration]).tolist(), float(unit * found.duration), distances)
+
+
+class MotorMotion(NamedTuple):
+    """The motors of elastic drives, referred to their joints: arrays (nv,) or (N, nv), 0 where there is no drive."""
+
+    position: NDArray[np.float64]  #: rad or m; 0 at joints with several velocities
+    velocity: NDArray[np.float64]  #: rad/s or m/s
+    force: NDArray[np.float64]  #: N m or N
+
+
+def elastic_feed_forward(m: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, jerk: ArrayLike, snap: ArrayLike,
+                         stiffness: ArrayLike, inertia: ArrayLike = 0.0,
+                         loads: Sequence[_axode.Load] | None = None) -> MotorMotion:
+    """How motors before springs must move, and which forces they need, so that the joints follow a motion exactly.
+
+    q (nq,) or (N, nq) with v, a, jerk and snap: the motion of all joints. That of a parallel manipulator comes from
+        `TaskSpace.inverse_dynamics_rates`; loops are counted.
+    stiffness (N m/rad, N/m) of the springs and inertia (kg m^2, kg) of the motors behind their gears: a number, or (nv,).
+        np.inf is a rigid drive, as joints with several velocities need.
+
+    With the drive forces Q of the motion, theta = q + Q/k, theta' = v + Q'/k and u = Q + I (a + Q''/k) (eq. (D17.18)): the
+    start must be on this motion. ValueError for a stiffness that is not positive, a negative inertia, or a spring at a
+    joint with several velocities.
+
+    >>> motion = np.full(7, 0.3), np.ones(7), np.zeros(7), np.zeros(7), np.zeros(7)
+    >>> motors = axode.drives.elastic_feed_forward(arm, *motion, stiffness=2000.0, inertia=0.3)
+    >>> bool(np.allclose(2000 * (motors.position - 0.3), axode.inverse_dynamics(arm, *motion[:3])))
+    True
+    """
+    Q, dQ, ddQ = _axode.inverse_dynamics_rates(m, q, v, a, jerk, snap, loads=loads)
+    k, I = (np.broadcast_to(np.asarray(x, float), (m.nv,)) for x in (stiffness, inertia))
+    coordinate = np.full(m.nv, -1)
+    driven = np.ones(m.nv, bool)
+    for joint in m.joints:
+        if joint.nv == 1:
+            coordinate[joint.v] = joint.q.start
+        elif joint.nv > 1 and not joint.passive and np.isfinite(k[joint.v]).any():
+            raise ValueError(f"stiffness: joint \"{joint.name}\" has {joint.nv} velocities and no angle for a spring; "
+                             "its stiffness must be np.inf")
+        if joint.passive:
+            driven[joint.v] = False
+    if not (k[driven] > 0).all():
+        raise ValueError(f"stiffness is {stiffness}; it must be positive (np.inf is a rigid drive)")
+    if not ((I >= 0) & np.isfinite(I)).all():
+        raise ValueError(f"inertia is {inertia}; it must not be negative, and be finite")
+    positions = np.where(coordinate < 0, 0.0, np.asarray(q, float)[..., coordinate])
+    position = np.where(coordinate < 0, 0.0, positions + Q / k)
+    return MotorMotion(*(np.where(driven, x, 0.0) for x in (position, v + dQ / k, Q + I * (a + ddQ / k))))
 
 
 signatures.explain_calls(__name__)
