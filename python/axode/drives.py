@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _axode
+from .records import Load
 from .support import signatures
 from ._axode import Model, Trajectory
 
@@ -200,7 +201,7 @@ class MotorMotion(NamedTuple):
 
 def elastic_feed_forward(m: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, jerk: ArrayLike, snap: ArrayLike,
                          stiffness: ArrayLike, inertia: ArrayLike = 0.0,
-                         loads: Sequence[_axode.Load] | None = None) -> MotorMotion:
+                         loads: Sequence[Load] | None = None) -> MotorMotion:
     """How motors before springs must move, and which forces they need, so that the joints follow a motion exactly.
 
     q (nq,) or (N, nq) with v, a, jerk and snap: the motion of all joints. That of a parallel manipulator comes from
@@ -230,9 +231,9 @@ def elastic_feed_forward(m: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, jer
         if joint.passive:
             driven[joint.v] = False
     if not (k[driven] > 0).all():
-        raise ValueError(f"stiffness is {stiffness}; it must be positive (np.inf is a rigid drive)")
+        raise ValueError(f"stiffness has {k[driven].min():g}; it must be positive (np.inf is a rigid drive)")
     if not ((I >= 0) & np.isfinite(I)).all():
-        raise ValueError(f"inertia is {inertia}; it must not be negative, and be finite")
+        raise ValueError("inertia has a number that is negative or not finite")
     positions = np.where(coordinate < 0, 0.0, np.asarray(q, float)[..., coordinate])
     position = np.where(coordinate < 0, 0.0, positions + Q / k)
     return MotorMotion(*(np.where(driven, x, 0.0) for x in (position, v + dQ / k, Q + I * (a + ddQ / k))))
