@@ -159,6 +159,22 @@ template <class Rep, class T> struct Jerks {
               of_p[2].v + cross(of_p[2].w, d) + T(2) * cross(of_p[1].w, dd) + cross(of_p[0].w, ddd) +
                   of_joint(S[0].v, dS.v, S[1].v, S[2].v)};
   }
+  /// Angular components turn with the bodies, linear ones are inertial.
+  static void put(const Link<Mixed, T>& link, const V6* of_p, const V6* S, V6* out) {
+    const SO3<T> Ct = transpose(link.C_pi.R), Rt = transpose(link.R), Rt_p = transpose(link.R_p);
+    const Vec3<T>&c = link.C_pi.r, &w_p = of_p[0].w, &dw_p = of_p[1].w;
+    const Vec3<T> U = Ct * w_p, A_1 = Ct * dw_p, U_1 = A_1 - cross(S[0].w, U), w = U + S[0].w,
+                  dw = U_1 + S[1].w;
+    out[0] = {w, of_p[0].v + link.R_p * cross(w_p, c) + S[0].v};
+    const Vec3<T> dc = Rt_p * (out[0].v - of_p[0].v), y = Rt * S[0].v, w_y = cross(w, y);
+    out[1] = {dw, of_p[1].v + link.R_p * (cross(dw_p, c) + cross(w_p, dc)) + S[1].v + link.R * w_y};
+    const Vec3<T> ddc = Rt_p * (out[1].v - of_p[1].v), y_1 = Rt * S[1].v;
+    out[2] = {
+        Ct * of_p[2].w - cross(S[0].w, A_1) - cross(S[1].w, U) - cross(S[0].w, U_1) + S[2].w,
+        of_p[2].v +
+            link.R_p * (cross(of_p[2].w + cross(w_p, dw_p), c) + T(2) * cross(dw_p, dc) + cross(w_p, ddc)) +
+            S[2].v + link.R * (T(2) * cross(w, y_1) + cross(dw, y) + cross(w, w_y))};
+  }
 };
 
 }  // namespace axode::command

@@ -2,9 +2,10 @@
 
 #include "apps/study/motion_forms.hpp"
 #include "apps/study/screws_once.hpp"
+#include "apps/study/tangents.hpp"
 #include "axode/derivatives/displacement/first_order.hpp"
 #include "axode/derivatives/displacement/force_series.hpp"
-#include "axode/derivatives/second_order/second_order_recursions.hpp"
+#include "axode/derivatives/second_order/more_second_order_recursions.hpp"
 #include "axode/model/workspace.hpp"
 
 namespace axode::command {
@@ -16,6 +17,7 @@ template <class T> struct Job {
   const T *q, *rates;  ///< rates are v, a, jerk and snap
   T* out;              ///< 6 numbers for each body, 3 for each velocity, or 3 matrices
   ForceSeries<T>& series;
+  TangentDerivatives<T>& tangents;
 
   Arena arena() const { return workspace.arena(*tree.topology()); }
   const T* v() const { return rates; }
@@ -70,6 +72,10 @@ template <class T> void derivatives(const Job<T>& job) {
   first_order.write(job.tree, {}, job.out, job.out + size, job.out + 2 * size);
 }
 
+template <class Rep, class T> void tangents(const Job<T>& job) {
+  job.tangents.template run<Rep>(job.q, job.v(), job.a(), job.out);
+}
+
 template <class T> std::vector<std::pair<Way, Kernel<T>>> kernels() {
   using enum Representation;
   std::vector<std::pair<Way, Kernel<T>>> all;
@@ -97,17 +103,24 @@ template <class T> std::vector<std::pair<Way, Kernel<T>>> kernels() {
   add({"jerks", "recursion", body}, jerks<BodyFixed, T>, twists);
   add({"jerks", "recursion", spatial}, jerks<Spatial, T>, twists);
   add({"jerks", "recursion", hybrid}, jerks<Hybrid, T>, twists);
+  add({"jerks", "recursion", mixed}, jerks<Mixed, T>, twists);
   add({"second_order_inverse_dynamics", "recursion", body}, second_order<BodyFixed, T>, forces);
+  add({"second_order_inverse_dynamics", "recursion", spatial}, second_order<Spatial, T>, forces);
   add({"second_order_inverse_dynamics", "series", spatial}, series<T>, forces);
   add({"second_order_inverse_dynamics", "recursion", hybrid}, second_order<Hybrid, T>, forces);
-  add({"inverse_dynamics_derivatives", "displacements", spatial}, derivatives<T>,
-      {.run = nullptr, .per_pair = 3});
+  add({"second_order_inverse_dynamics", "recursion", mixed}, second_order<Mixed, T>, forces);
+  const Kernel<T> matrices{.run = nullptr, .per_pair = 3};
+  add({"inverse_dynamics_derivatives", "displacements", spatial}, derivatives<T>, matrices);
+  add({"inverse_dynamics_derivatives", "tangents", body}, tangents<BodyFixed, T>, matrices);
+  add({"inverse_dynamics_derivatives", "tangents", spatial}, tangents<Spatial, T>, matrices);
+  add({"inverse_dynamics_derivatives", "tangents", hybrid}, tangents<Hybrid, T>, matrices);
+  add({"inverse_dynamics_derivatives", "tangents", mixed}, tangents<Mixed, T>, matrices);
   return all;
 }
 
 template <class T> class SubjectIn : public WaySubject {
  public:
-  SubjectIn(std::size_t number, const Tree<T>& tree, const State& state)
+  SubjectIn(std::size_t number, const Model& model, const Tree<T>& tree, const State& state)
       : kernel_(kernels<T>()[number].second),
         tree_(tree),
         workspace_(*tree.topology(), footprint_of(*tree.topology())),
@@ -115,11 +128,12 @@ template <class T> class SubjectIn : public WaySubject {
         rates_(state.v.begin(), state.v.end()),
         out_(static_cast<std::size_t>(kernel_.per_body * tree->n + kernel_.per_velocity * tree->nv +
                                       kernel_.per_pair * tree->nv * tree->nv)),
-        series_(tree_, 2) {
+        series_(tree_, 2),
+        tangents_(model, tree_, state.q) {
     for (const auto& row : {state.a, state.v, state.a}) rates_.insert(rates_.end(), row.begin(), row.end());
   }
   void run(int calls) override {
-    const Job<T> job{tree_, workspace_, q_.data(), rates_.data(), out_.data(), series_};
+    const Job<T> job{tree_, workspace_, q_.data(), rates_.data(), out_.data(), series_, tangents_};
     for (int k = 0; k < calls; ++k) kernel_.run(job);
   }
   std::vector<double> results() override {
@@ -132,12 +146,10 @@ template <class T> class SubjectIn : public WaySubject {
  private:
   static std::size_t footprint_of(const Topology& t) {
     const auto of = [&]<class Rep>(Rep) {
-      return footprint<InverseDynamicsRecursion<Rep, T>, ScrewsOnce<Rep, T>, TreeMotion<Rep, T>>(t);
+      return footprint<InverseDynamicsRecursion<Rep, T>, ScrewsOnce<Rep, T>, TreeMotion<Rep, T>,
+                       Jerks<Rep, T>, SecondOrderRecursion<Rep, T>>(t);
     };
-    return std::max(
-        {of(BodyFixed{}), of(Spatial{}), of(Hybrid{}), of(Mixed{}),
-         footprint<Jerks<BodyFixed, T>, Jerks<Spatial, T>, Jerks<Hybrid, T>,
-                   SecondOrderRecursion<BodyFixed, T>, SecondOrderRecursion<Hybrid, T>, FirstOrder<T>>(t)});
+    return std::max({of(BodyFixed{}), of(Spatial{}), of(Hybrid{}), of(Mixed{}), footprint<FirstOrder<T>>(t)});
   }
 
   Kernel<T> kernel_;
@@ -145,6 +157,7 @@ template <class T> class SubjectIn : public WaySubject {
   Workspace<T> workspace_;
   std::vector<T> q_, rates_, out_;
   ForceSeries<T> series_;
+  TangentDerivatives<T> tangents_;
 };
 
 std::size_t number_of(const Way& way) {
@@ -167,11 +180,11 @@ const std::vector<Way>& ways() {
 }
 
 std::unique_ptr<WaySubject> make_subject(const Way& way, const Model& model, const State& state) {
-  return std::make_unique<SubjectIn<double>>(number_of(way), model.tree<double>(), state);
+  return std::make_unique<SubjectIn<double>>(number_of(way), model, model.tree<double>(), state);
 }
 
 Operations operations(const Way& way, const Model& model, const State& state) {
-  SubjectIn<Counted> subject(number_of(way), cast<Counted>(model.tree<double>()), state);
+  SubjectIn<Counted> subject(number_of(way), model, cast<Counted>(model.tree<double>()), state);
   Counted::count() = {};
   subject.run(1);
   return Counted::count();

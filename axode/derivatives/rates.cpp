@@ -3,6 +3,7 @@
 #include "axode/derivatives/displacement/accelerations.hpp"
 #include "axode/derivatives/displacement/force_series.hpp"
 #include "axode/derivatives/displacement/scratch.hpp"
+#include "axode/derivatives/second_order/more_second_order_recursions.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/table/check_counts.hpp"
@@ -80,6 +81,9 @@ void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, 
   check_size("rates", rates.size(), 4 * nv, "4 nv");
   check_size("tau", tau.size(), 3 * nv, "3 nv");
   check_separate("tau", tau, "rates", std::span<const T>(rates));
+  static_assert(
+      sizeof(typename SecondOrderRecursion<Rep, T>::Body) <=
+      sizeof(typename SecondOrderRecursion<BodyFixed, T>::Body));  // a workspace has memory for these
   Arena arena = workspace.arena(model.topology());
   SecondOrderRecursion<Rep, T>(arena).run(model.tree<T>(), q.data(), rates.data(), loads, tau.data());
 }
@@ -88,9 +92,15 @@ template class InverseDynamicsRates<AXODE_T>;
 template AXODE_ENTRY void second_order_inverse_dynamics<BodyFixed>(const Model&, Workspace<AXODE_T>&,
                                                                    Numbers<AXODE_T>, Numbers<AXODE_T>,
                                                                    std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY void second_order_inverse_dynamics<Spatial>(const Model&, Workspace<AXODE_T>&,
+                                                                 Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                                 std::span<AXODE_T>, const Loads<AXODE_T>&);
 template AXODE_ENTRY void second_order_inverse_dynamics<Hybrid>(const Model&, Workspace<AXODE_T>&,
                                                                 Numbers<AXODE_T>, Numbers<AXODE_T>,
                                                                 std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY void second_order_inverse_dynamics<Mixed>(const Model&, Workspace<AXODE_T>&,
+                                                               Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                               std::span<AXODE_T>, const Loads<AXODE_T>&);
 template AXODE_ENTRY Solvability forward_dynamics_rates(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                                         Numbers<AXODE_T>, Numbers<AXODE_T>,
                                                         std::span<AXODE_T>, const Loads<AXODE_T>&);

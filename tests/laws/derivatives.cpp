@@ -308,7 +308,8 @@ TEST_P(DerivativesInDouble, InTimeAreThoseAlongTheMotion) {
 }
 
 TEST_P(DerivativesInDouble, OfTheSecondOrderRecursionsAreThoseOfPowerSeries) {
-  Comparison body_fixed("body-fixed", 1e-11), hybrid("hybrid", 1e-11);
+  Comparison body_fixed("body-fixed", 1e-11), spatial("spatial", 1e-11), hybrid("hybrid", 1e-11),
+      mixed("mixed", 1e-11);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Trial trial(GetParam(), Random<double>(seed));
@@ -320,10 +321,14 @@ TEST_P(DerivativesInDouble, OfTheSecondOrderRecursionsAreThoseOfPowerSeries) {
     Numbers tau(3 * ask.v.size()), expected(tau.size());
     InverseDynamicsRates<>(trial.model, 2).evaluate(ask.q, motion, expected, ask.loads);
     const double scale = std::max(largest(expected), size_of_forces(trial));
-    second_order_inverse_dynamics<BodyFixed, double>(trial.model, workspace, ask.q, motion, tau, ask.loads);
-    body_fixed.expect_equal(tau, expected, scale);
-    second_order_inverse_dynamics<Hybrid, double>(trial.model, workspace, ask.q, motion, tau, ask.loads);
-    hybrid.expect_equal(tau, expected, scale);
+    const auto compare = [&]<class Rep>(Rep, Comparison& same) {
+      second_order_inverse_dynamics<Rep, double>(trial.model, workspace, ask.q, motion, tau, ask.loads);
+      same.expect_equal(tau, expected, scale);
+    };
+    compare(BodyFixed{}, body_fixed);
+    compare(Spatial{}, spatial);
+    compare(Hybrid{}, hybrid);
+    compare(Mixed{}, mixed);
   });
 }
 

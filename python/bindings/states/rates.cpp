@@ -81,7 +81,7 @@ nb::object second_order_inverse_dynamics_of(const BoundModel& m, ArrayLike q, Ar
   const States states(m, q, threads);
   const MotionInTime motion(states, {{"v", v}, {"a", a}, {"jerk", jerk}, {"snap", snap}}, {});
   const AppliedLoads applied(states, loads, joint_losses);
-  const auto in = [&]<class Rep>(Rep) {
+  return with_representation(representation, [&]<class Rep>(Rep) {
     return in_parts(each_item(states, 4 * linear_cost(*m), {3, m->nv()},
                               [&](Workspace<>& workspace, std::size_t k, std::span<double> tau) {
                                 applied.with(k, [&](const Loads<double>& now) {
@@ -90,10 +90,7 @@ nb::object second_order_inverse_dynamics_of(const BoundModel& m, ArrayLike q, Ar
                                 });
                               }),
                     3);
-  };
-  if (representation == Representation::body) return in(BodyFixed{});
-  if (representation == Representation::hybrid) return in(Hybrid{});
-  throw nb::value_error("representation: these recursions are body-fixed ('body') or hybrid ('hybrid')");
+  });
 }
 
 Array forward_dynamics_rates_of(const BoundModel& m, ArrayLike q, ArrayLike given_v, ArrayLike given_forces,
@@ -174,12 +171,13 @@ True
       nb::sig("def second_order_inverse_dynamics(m: Model, q: numpy.typing.ArrayLike, "
               "v: numpy.typing.ArrayLike, a: numpy.typing.ArrayLike, jerk: numpy.typing.ArrayLike, "
               "snap: numpy.typing.ArrayLike, loads: collections.abc.Sequence[axode.Load] | None = None, *, "
-              "joint_losses: bool = False, representation: typing.Literal['body', 'hybrid'] = 'body', "
+              "joint_losses: bool = False, "
+              "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', "
               "threads: int = 1) -> tuple[numpy.typing.NDArray[numpy.float64], ...]"),
       R"(
 (tau, tau', tau''), as `inverse_dynamics_rates` gives them, by Newton-Euler recursions that are differentiated twice.
 
-Body-fixed or hybrid recursions, by `representation`; the results are equal. O(n).
+The recursion is that of a `representation`; the results are equal. O(n).
 
 >>> motion = np.full(7, 0.3), np.ones(7), np.zeros(7), np.ones(7), np.zeros(7)
 >>> np.allclose(axode.second_order_inverse_dynamics(arm, *motion), axode.inverse_dynamics_rates(arm, *motion))
