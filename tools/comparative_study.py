@@ -167,6 +167,21 @@ def rounding(command, folder):
             for algorithm in PER_HINGE}
 
 
+def drift(command, folder):
+    """The drift of joints in absolute coordinates without projection, of a top and of a chain of seven hinges."""
+    paths = {"top": folder / "top.toml", "chain7": folder / "chain7.toml"}
+    paths["top"].write_text(drawing(1, "spherical"))
+    paths["chain7"].write_text(drawing(7))
+    groups = ["SE3", "SO3xR3", "by_joint"]
+    lines = [[model, joints.replace("_", " "), f"1/{1 / row['step']:.0f}",
+              *(f"{row[group][joints]:.0e}" for group in groups)]
+             for model, study in studied(command, paths, "--counts", "--drift").items()
+             for joints in (["all_joints"] if model == "top" else ["joints_on_ground", "all_joints"])
+             for row in study["drift"]]
+    header = ["model", "joints", "step, s", "SE(3)", "SO(3) × R³", "by joint"]
+    return {"drift": table(header, lines, "--" + ":" * 4)}
+
+
 def timed(command, folder):
     """The tables with times."""
     paths = drawings(command, folder)
@@ -184,7 +199,7 @@ def main():
     arguments = parser.parse_args()
     command = arguments.command.resolve()
     with tempfile.TemporaryDirectory() as folder:
-        parts = counted(command, Path(folder)) | rounding(command, Path(folder))
+        parts = counted(command, Path(folder)) | rounding(command, Path(folder)) | drift(command, Path(folder))
         if not arguments.counts:
             parts |= timed(command, Path(folder))
         for name, text in parts.items():

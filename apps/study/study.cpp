@@ -23,7 +23,7 @@ namespace {
 struct Options {
   ModelOptions mechanisms;
   std::string csv, plot, format = "table";
-  bool counts = false, rounding = false;
+  bool counts = false, rounding = false, drift = false;
 };
 
 constexpr const char* footer = R"(Example:
@@ -215,6 +215,25 @@ void print_rounding(const std::vector<RoundingErrors>& rounding) {
   fmt::print("\n{}\n{}", in(Ink::heading, "rounding errors"), table.text());
 }
 
+void print_drift(const std::vector<Drift>& drift) {
+  if (drift.empty()) return;
+  Table table({"joints", "step", "SE(3)", "SO(3) x R^3", "by joint"});
+  const auto add = [&](const char* joints, double Drift::Of::*of) {
+    for (const Drift& row : drift) {
+      std::vector<Cell> cells{Cell(joints), Cell(fmt::format("1/{:.0f} s", 1 / row.step))};
+      for (const Drift::Of* const group : {&row.SE3, &row.SO3xR3, &row.by_joint})
+        cells.emplace_back(fmt::format("{:.0e}", group->*of));
+      table.row(std::move(cells));
+    }
+  };
+  add("on the ground", &Drift::Of::joints_on_ground);
+  table.rule();
+  add("all", &Drift::Of::all_joints);
+  fmt::print("\n{}\n{}",
+             in(Ink::heading, "drift of joints in absolute coordinates without projection, rad and m"),
+             table.text());
+}
+
 void print(const Study& study) {
   fmt::print("{}\n", in(Ink::heading, fmt::format("{}: {} moving bodies, nv = {}", study.model, study.bodies,
                                                   study.velocities)));
@@ -240,6 +259,7 @@ void print(const Study& study) {
   print_ways(study.ways);
   print_contraction(study.contraction);
   print_rounding(study.rounding);
+  print_drift(study.drift);
 }
 
 std::string as_csv(const std::vector<Study>& studies) {
@@ -285,6 +305,15 @@ Json as_json(const std::vector<Study>& studies) {
                                            {"rounds", count.rounds},
                                            {"operations", count.operations.total()},
                                            {"longest_path", count.longest_path}});
+    for (const Drift& row : study.drift) {
+      const auto as_object = [](const Drift::Of& of) {
+        return Json{{"joints_on_ground", of.joints_on_ground}, {"all_joints", of.all_joints}};
+      };
+      out.back()["drift"].push_back({{"step", row.step},
+                                     {"SE3", as_object(row.SE3)},
+                                     {"SO3xR3", as_object(row.SO3xR3)},
+                                     {"by_joint", as_object(row.by_joint)}});
+    }
     for (const RoundingErrors& row : study.rounding) {
       const auto as_object = [](const RoundingErrors::Of& of) {
         return Json{{"body", of.body},
@@ -370,6 +399,7 @@ void run(const Options& options) {
   for (const Model& model : models) {
     studies.push_back(studied(model, !options.counts));
     if (options.rounding && studies.back().left_out.empty()) studies.back().rounding = rounding_errors(model);
+    if (options.drift) studies.back().drift = drifts(model);
   }
   if (!options.csv.empty()) write_text(options.csv, as_csv(studies));
   if (plot) plot->draw(chart_of(studies));
@@ -394,6 +424,9 @@ void add_study(CLI::App& app, int& exit_code) {
   study->add_flag("--counts", options->counts, "Count only, and leave the times out");
   study->add_flag("--rounding", options->rounding,
                   "Add rounding errors against the distance from the origin and the condition of M");
+  study->add_flag(
+      "--drift", options->drift,
+      "Add how far joints in absolute coordinates open if nothing closes them, by the groups of the bodies");
   study->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
   study->footer(footer);
   study->callback([options, &exit_code] {

@@ -10,6 +10,7 @@
 #include "apps/files/state.hpp"
 #include "apps/study/contraction_counts.hpp"
 #include "apps/study/framed_tree.hpp"
+#include "apps/study/drift.hpp"
 #include "apps/study/rounding.hpp"
 #include "apps/study/ways.hpp"
 #include "axode/scalar/counted.hpp"
@@ -71,6 +72,7 @@ struct Study {
   std::vector<WayEffort> ways;
   std::vector<ContractionCount> contraction;
   std::vector<RoundingErrors> rounding;  ///< if asked for
+  std::vector<Drift> drift;              ///< if asked for
   std::string left_out;                  ///< if some algorithms cannot run, a sentence that says why
 
   bool timed() const { return !efforts.empty() && efforts.front().seconds.has_value(); }

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -152,6 +153,20 @@ TEST(Study, LosesDigitsWithTheDistanceOnlyAboutTheInertialOrigin) {
     EXPECT_GT(row["inverse_dynamics"]["inertial"], 1e-10) << row.dump();
     EXPECT_GT(row["forward_dynamics"]["inertial"], 1e-9) << row.dump();
   }
+}
+
+TEST(Study, KeepsJointsOnTheGroundClosedOnSE3WithoutProjection) {
+  const Outcome outcome =
+      axode({"study", robot("double_pendulum.toml"), "--counts", "--drift", "--format", "json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json drift = Json::parse(outcome.out)[0]["drift"];
+  ASSERT_EQ(drift.size(), 5U);
+  for (const char* group : {"SE3", "by_joint"})
+    for (const Json& row : drift) EXPECT_LT(row[group]["joints_on_ground"], 1e-13) << row.dump();
+  EXPECT_GT(drift[0]["SO3xR3"]["joints_on_ground"], 1e-6);
+  const double order =
+      std::log2(double(drift[0]["SO3xR3"]["all_joints"]) / double(drift[1]["SO3xR3"]["all_joints"]));
+  EXPECT_NEAR(order, 4, 0.5);
 }
 
 TEST(Study, SetsTheBaseFree) {

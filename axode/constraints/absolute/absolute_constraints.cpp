@@ -272,7 +272,7 @@ void AbsoluteSystem::bias(Span v, Vector& rhs) {
   std::vector<BodyTwist> rest(index(n_ + 1));
   for (int i = 1; i <= n_; ++i) {
     const BodyTwist& V = V_[index(i)];
-    if (kind_ == BodyGroup::SO3xR3) rest[index(i)].v = -cross(V.w, V.v + cross(V.w, com_[index(i)]));
+    if (!is_on_SE3(i)) rest[index(i)].v = -cross(V.w, V.v + cross(V.w, com_[index(i)]));
     const SE3<>& C = loops_.link(i).C;
     V_s_[index(i)] = Ad(C, V);
     const Twist<Spatial> rate = Ad(C, rest[index(i)]);

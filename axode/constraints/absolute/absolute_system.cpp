@@ -27,10 +27,10 @@ bool turns(const loops::SubgroupClosure& joint, std::size_t along) {
 
 AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
     : model_(model),
-      kind_(kind),
       n_(model.n_bodies()),
+      on_SE3_(index(n_ + 1), kind == BodyGroup::SE3),
       joint_of_(index(model.nv())),
-      group_tree_(group_of(0, 0, kind)),
+      group_tree_(make_group()),
       loops_(model),
       reference_q_(neutral(model)),
       x_(index(model.nv())),
@@ -42,6 +42,7 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
     const Joint& joint = model.joint(i);
     const std::array<bool, 6> free = free_directions(joint.kind);
     bound_[index(i)] = {{free, joint.pitch}, direction_along(free)};
+    if (kind == BodyGroup::by_joint) on_SE3_[index(i)] = parent(i) == 0 && joint.kind != Subgroup::free;
     if (joint.leader) leader_[index(i)] = joint.leader->joint;
     if (tree().M[i].m > 0) com_[index(i)] = center_of_mass(tree().M[i]);
     if (joint.leader) continue;
@@ -59,13 +60,13 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
   });
   n_placed_rotors_ = static_cast<int>(unplaced - rotors_.begin());
   if (n_ > 0) C_[0].r = -(tree().B[1].r + tree().B[1].R * com_[1]);
-  group_tree_ = group_of(n_, n_rotors(), kind);
+  group_tree_ = make_group();
 }
 
 /// Makes the configuration group of the absolute coordinates, as a tree in which all bodies are on the
 /// ground. Every body has a free joint (SE(3)), or a spherical and three prismatic joints, and every rotor
 /// (an additional body that turns with one joint velocity) has a prismatic joint.
-Tree<double> AbsoluteSystem::group_of(int n, int rotors, BodyGroup kind) {
+Tree<double> AbsoluteSystem::make_group() const {
   Connections all{.parent = {0}, .kind = {Subgroup::free}, .leader = {0}, .frame_body = {0}};
   const auto add = [&](Subgroup subgroup) {
     all.frame_body.push_back(static_cast<int>(all.parent.size()));
@@ -73,15 +74,15 @@ Tree<double> AbsoluteSystem::group_of(int n, int rotors, BodyGroup kind) {
     all.kind.push_back(subgroup);
     all.leader.push_back(0);
   };
-  for (int i = 0; i < n; ++i) {
-    if (kind == BodyGroup::SE3) {
+  for (int i = 1; i <= n_; ++i) {
+    if (is_on_SE3(i)) {
       add(Subgroup::free);
     } else {
       add(Subgroup::spherical);
       for (int k = 0; k < 3; ++k) add(Subgroup::prismatic);
     }
   }
-  for (int k = 0; k < rotors; ++k) add(Subgroup::prismatic);
+  for (int k = 0; k < n_rotors(); ++k) add(Subgroup::prismatic);
   const std::size_t joints = all.parent.size();
   const auto topology = std::make_shared<const Topology>(std::move(all));
   const Vector none(index(topology->nv)), zero(joints), one(joints, 1.0);
@@ -116,22 +117,22 @@ void AbsoluteSystem::put_pose(const SE3<>& C, int i, Vector& q) const {
 /// body: its angular velocity and the velocity of its centre of mass.
 BodyTwist AbsoluteSystem::twist(const SE3<>& C, Span v, int i) const {
   const double* const at = &v[index(6 * (i - 1))];
-  const Vec3<> c_dot = kind_ == BodyGroup::SE3 ? linear(at) : transpose(C.R) * linear(at);
+  const Vec3<> c_dot = is_on_SE3(i) ? linear(at) : transpose(C.R) * linear(at);
   return {angular(at), c_dot - cross(angular(at), com_[index(i)])};
 }
 void AbsoluteSystem::put_twist(const SE3<>& C, const BodyTwist& V, int i, Vector& v) const {
   const Vec3<> c_dot = V.v + cross(V.w, com_[index(i)]);
-  const Six<double> all = six(V.w, kind_ == BodyGroup::SE3 ? c_dot : C.R * c_dot);
+  const Six<double> all = six(V.w, is_on_SE3(i) ? c_dot : C.R * c_dot);
   std::ranges::copy(all, v.begin() + 6 * (i - 1));
 }
 BodyWrench AbsoluteSystem::wrench(const SE3<>& C, Span f, int i) const {
   const double* const at = &f[index(6 * (i - 1))];
-  const Vec3<> f_b = kind_ == BodyGroup::SE3 ? linear(at) : transpose(C.R) * linear(at);
+  const Vec3<> f_b = is_on_SE3(i) ? linear(at) : transpose(C.R) * linear(at);
   return {angular(at) + cross(com_[index(i)], f_b), f_b};
 }
 void AbsoluteSystem::add_wrench(const SE3<>& C, const BodyWrench& W, int i, Vector& f) const {
   if (i == 0) return;
-  const Six<double> all = six(W.m - cross(com_[index(i)], W.f), kind_ == BodyGroup::SE3 ? W.f : C.R * W.f);
+  const Six<double> all = six(W.m - cross(com_[index(i)], W.f), is_on_SE3(i) ? W.f : C.R * W.f);
   for (std::size_t k = 0; k < 6; ++k) f[index(6 * (i - 1)) + k] += all[k];
 }
 

@@ -12,10 +12,12 @@ namespace axode {
 
 /// The configuration group of a body that moves freely.
 enum class BodyGroup {
-  SE3,     ///< q = (quaternion x y z w, position of the centre of mass); v = body-fixed twist about this
-           ///< point
-  SO3xR3,  ///< q is that of SE3; v = (angular velocity in body axes, velocity of the centre of mass in
-           ///< inertial axes)
+  SE3,       ///< q = (quaternion x y z w, position of the centre of mass); v = body-fixed twist about this
+             ///< point
+  SO3xR3,    ///< q is that of SE3; v = (angular velocity in body axes, velocity of the centre of mass in
+             ///< inertial axes)
+  by_joint,  ///< SE3 for a body whose joint on the ground constrains it, so that its motion is in a subgroup of
+             ///< SE(3), which steps on SE(3) do not leave; SO3xR3 for all others
 };
 
 /// The largest absolute value of the numbers, 0 if there are none, and NaN if any number is NaN.
@@ -139,7 +141,9 @@ class AbsoluteSystem {
   }
   int first_loop(ConstraintLevel level) const { return 6 * n_ + n_rotors(level); }
   int parent(int i) const { return tree()->parent[i]; }
-  static Tree<double> group_of(int n, int rotors, BodyGroup group);
+  Tree<double> make_group() const;
+  /// Whether the group of body i is SE(3), and not SO(3) × R³.
+  bool is_on_SE3(int i) const { return on_SE3_[index(i)] != 0; }
   static Vec3<> angular(const double* x) { return {x[0], x[1], x[2]}; }
   static Vec3<> linear(const double* x) { return {x[3], x[4], x[5]}; }
   /// The twist X of the predecessor, in the frame of a body with the pose D relative to the predecessor.
@@ -176,8 +180,8 @@ class AbsoluteSystem {
   double coupled_rate(const LoopCoupling& coupling, const std::vector<BodyTwist>& X) const;
 
   Model model_;
-  BodyGroup kind_;
   int n_;
+  std::vector<char> on_SE3_;  ///< n + 1
   std::vector<Bound> bound_;
   std::vector<Rotor> rotors_;
   int n_placed_rotors_ = 0;
