@@ -9,8 +9,8 @@
 
 #include "apps/files/state.hpp"
 #include "apps/study/contraction_counts.hpp"
-#include "apps/study/framed_tree.hpp"
 #include "apps/study/drift.hpp"
+#include "apps/study/framed_tree.hpp"
 #include "apps/study/rounding.hpp"
 #include "apps/study/ways.hpp"
 #include "axode/scalar/counted.hpp"
