@@ -5,6 +5,7 @@
 
 #include "axode/constraints/loops/loop_table.hpp"
 #include "axode/fast/lanes.hpp"
+#include "axode/scalar/index.hpp"
 
 namespace axode {
 
@@ -257,7 +258,6 @@ class LimbPack {
   }
 
  private:
-  static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   static int size(const std::vector<int>& of) { return static_cast<int>(of.size()); }
 
   /// Numbers for each lane.
