@@ -19,14 +19,13 @@ namespace axode {
 namespace {
 
 using Span = std::span<const double>;
-using Vector = std::vector<double>;
 
 std::size_t nv_of(const Model& model) { return static_cast<std::size_t>(model.nv()); }
 
 /// Returns one gain for each velocity, from nv gains or one for all. Throws std::invalid_argument for another
 /// size, and for a gain that is negative or not finite.
-Vector gains(const Model& model, const char* name, Span given) {
-  Vector all = for_each_velocity(model, name, given);
+std::vector<double> gains(const Model& model, const char* name, Span given) {
+  std::vector<double> all = for_each_velocity(model, name, given);
   for (std::size_t k = 0; k < given.size(); ++k)
     if (!(given[k] >= 0) || !std::isfinite(given[k]))
       throw std::invalid_argument(std::string(name) + "[" + std::to_string(k) + "] is " +

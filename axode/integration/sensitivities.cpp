@@ -23,7 +23,6 @@ namespace axode {
 namespace {
 
 using Span = std::span<const double>;
-using Vector = std::vector<double>;
 using Matrix = GroupDerivatives::Matrix;
 using Rows = SpringTerms::Rows;
 using Joints = GroupDerivatives::Joints;
@@ -67,7 +66,7 @@ class AdjointStep {
     stages_.front().maps.at(v.data(), v.data());  // theta = 0
   }
 
-  Vector v, q;  ///< state at the end of the step, after find()
+  std::vector<double> v, q;  ///< state at the end of the step, after find()
 
   /// Computes the stages of a step of length h.
   Solvability find(double h, const double* q_0, const double* v_0, const double* tau) {
@@ -125,7 +124,7 @@ class AdjointStep {
   struct Stage {
     WithScratch<double, ForwardVjp<double>> dynamics;
     GroupDerivatives maps;
-    Vector q, v;
+    std::vector<double> q, v;
     Matrix w_K, w_L;
     Stage(const Model& model, const Matrix& zero)
         : dynamics(model.topology()), maps(model.tree<double>()), w_K(zero), w_L(zero) {}
@@ -245,7 +244,7 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
   std::ranges::copy(dv, steps.dy.data());
   WithScratch<double, ForwardJvp<double>> dynamics(model.topology());
   SpringTerms springs(model);
-  Vector dforces(nv);
+  std::vector<double> dforces(nv);
   Solvability verdict;
   const auto write = [&](std::size_t k) {
     std::copy_n(steps.dq.data(), nv, dq_out.data() + k * nv);
@@ -300,7 +299,8 @@ Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double ste
     throw std::invalid_argument("model \"" + model.name() +
                                 "\" has springs between frames, whose derivatives by geometry are not known");
   AdjointStep one(model, method, loads);
-  Vector q_k(q.begin(), q.end()), v_k(v.begin(), v.end());  // the states at the ends of all steps
+  std::vector<double> q_k(q.begin(), q.end()),
+      v_k(v.begin(), v.end());  // the states at the ends of all steps
   Solvability verdict;
   const auto find = [&](std::size_t k) {
     if (monitor && !monitor()) return Solvability{.not_finite = true};

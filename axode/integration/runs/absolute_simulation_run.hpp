@@ -104,12 +104,12 @@ class AbsoluteSimulationRun {
   /// that are least in the norm of the mass matrix. Fails if the residual of positions stays above 1e-6. Then
   /// factorises the mass matrix and the constraints.
   Failure close(double t, Vector& q_1, Vector& v_1) {
-    constexpr double closed = 1e-13, tolerable = 1e-6;
+    constexpr double rounding = 1e-13, tolerable = 1e-6;
     set_time(t);
     double before = position_error(q_1);
-    if (!(before <= closed))
+    if (!(before <= rounding))
       if (Failure failure = checked(t, bodies_.factorize(q_1, ConstraintLevel::position))) return failure;
-    for (int n = 0; n < 10 && !(before <= closed); ++n) {
+    for (int n = 0; n < 10 && !(before <= rounding); ++n) {
       project();
       group_.move(q_1, x_, q_1);
       const double now = position_error(q_1);
