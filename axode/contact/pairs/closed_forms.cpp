@@ -91,7 +91,8 @@ void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& p
   }
 }
 
-namespace {
+/// The axes of shapes with rounded ends.
+namespace round_shapes {
 
 /// The axis of a sphere or capsule: the points center + t half for t from -1 to 1; `half` is 0 for a sphere.
 template <class T> struct Axis {
@@ -121,12 +122,12 @@ template <class T> T nearest_parameter(const Axis<T>& a, const Axis<T>& b) {
   return a.nearest(b.at(b.nearest(a.at(s))));
 }
 
-}  // namespace
+}  // namespace round_shapes
 
 template <class T>
 void touch_round(const ContactShape& shape_a, const SE3<T>& A, const ContactShape& shape_b, const SE3<T>& B,
                  PointList<T>& out) noexcept {
-  const Axis<T> a(shape_a, A), b(shape_b, B);
+  const round_shapes::Axis<T> a(shape_a, A), b(shape_b, B);
   struct Candidate {
     Vec3<T> p, n;
     T gap;
