@@ -248,7 +248,6 @@ target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/drive_rollout.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/rollout.cpp)
-axode_unite_rooms(axode_batch)
 target_link_libraries(axode_batch PUBLIC axode::axode PRIVATE TBB::tbb)
 
 foreach(group IN ITEMS to_dynamics_double beyond_dynamics_double)

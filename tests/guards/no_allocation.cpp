@@ -316,7 +316,7 @@ TEST(NoAllocation, InStepsWithContactAndDrives) {
   const std::vector<double> q_0{0.8, 0}, v_0{0, 0};
   const SimulationOptions options;
   ContactSimulationRun run(model, q_0, v_0, 10, options, false);
-  ContactSteps steps(run, model, ContactShapes(model), false);
+  ContactSteps steps(run, ContactShapes(model), false);
   ComputedContactStep end;
   int switches = 0;
   const auto take = [&](double t_1) {

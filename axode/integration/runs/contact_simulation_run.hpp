@@ -1,7 +1,6 @@
 #pragma once
 #include "axode/integration/runs/momentum_simulation_run.hpp"
 #include "axode/integration/schemes/midpoint.hpp"
-#include "axode/model/building/checks/value_checks.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {
@@ -69,7 +68,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
     if (loops_->motions().rows().empty() || (is_closed && certificate <= blocked))
       return is_closed ? Failure{} : Failure{t, open};
     std::string moved;
-    const auto add = [&](const std::string& name) { moved += (moved.empty() ? "" : ", ") + quoted(name); };
+    const auto add = [&](const std::string& name) { moved += (moved.empty() ? "\"" : ", \"") + name + '"'; };
     for (const MotionDescription& motion : model_.motions()) add(motion.of);
     for (const PrescribedMotion& motion : options_.motions) add(motion.of);
     return {t, "contacts, stops or loops block the prescribed motion of " + moved};
