@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "apps/files/state.hpp"
-#include "apps/study/tree_contraction.hpp"
+#include "apps/study/contraction/tree_contraction.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/composite_bodies.hpp"
 #include "axode/recursion/forward_dynamics.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/files/state.hpp"
-#include "apps/study/contraction_counts.hpp"
+#include "apps/study/contraction/contraction_counts.hpp"
 #include "apps/study/drift.hpp"
 #include "apps/study/framed_tree.hpp"
 #include "apps/study/rounding.hpp"

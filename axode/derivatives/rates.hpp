@@ -39,9 +39,9 @@ template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
 };
 
 /// Computes τ, τ' and τ'' of inverse dynamics by the Newton-Euler recursion, differentiated twice, in the
-/// representation Rep. `rates` are v, a, jerk and snap (4 nv numbers, row by row), and `tau` has 3 nv numbers;
-/// the two must not overlap. O(n), no allocation. Throws std::invalid_argument for a wrong size and for a
-/// model with loops. See (D3.1) to (D3.8) and (D3.15) to (D3.19) of docs/derivations.
+/// representation Rep. `rates` are v, a, jerk and snap (4 nv numbers, row by row), and `tau` has 3 nv
+/// numbers; the two must not overlap. O(n), no allocation. Throws std::invalid_argument for a wrong size and
+/// for a model with loops. See (D3.1) to (D3.8) and (D3.15) to (D3.19) of docs/derivations.
 template <class Rep, class T>
 void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    Numbers<T> rates, std::type_identity_t<std::span<T>> tau,

@@ -49,8 +49,8 @@ class DrivePort {
   /// of the end of the line that the entry's velocity moves, and the velocity of this end for a unit of it,
   /// in the axes of the body at this end.
   std::vector<std::pair<std::size_t, Vec3<>>> columns_;
-  /// In add_row_derivatives(), for each entry: the end of the line, the body and the velocity that move it, and
-  /// the rates w_k and r_k.
+  /// In add_row_derivatives(), for each entry: the end of the line, the body and the velocity that move it,
+  /// and the rates w_k and r_k.
   struct Column {
     std::size_t end;
     int body, c;

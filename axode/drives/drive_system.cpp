@@ -205,9 +205,9 @@ void DriveSystem::rates_by_states(double t, Span q, Span v, Span x, std::span<do
   }
 }
 
-/// Computes by_, the derivatives of n numbers by the arguments of the laws. After the laws have been evaluated
-/// with dual numbers along a direction, f(values, out) is called with their results and must write the
-/// directional derivatives of the n numbers to `out`.
+/// Computes by_, the derivatives of n numbers by the arguments of the laws. After the laws have been
+/// evaluated with dual numbers along a direction, f(values, out) is called with their results and must write
+/// the directional derivatives of the n numbers to `out`.
 template <class F> void DriveSystem::by_arguments(double t, Span q, Span v, Eigen::Index n, const F& f) {
   const auto index = [](auto k) { return static_cast<Eigen::Index>(k); };
   const Eigen::Index nv = model_.nv();

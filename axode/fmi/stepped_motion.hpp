@@ -29,8 +29,9 @@ class SteppedMotion {
 
   /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description. Without
   /// a relative tolerance, the tolerances of simulate() hold; a motion with contact then takes equal steps of
-  /// the usual length, or shorter ones, and with a tolerance adaptive steps. Throws std::invalid_argument for a state in which a motion cannot start, and if
-  /// t is not 0 and the mechanism has prescribed motions or drives.
+  /// the usual length, or shorter ones, and with a tolerance adaptive steps. Throws std::invalid_argument for
+  /// a state in which a motion cannot start, and if t is not 0 and the mechanism has prescribed motions or
+  /// drives.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
                 std::optional<double> tolerance);
   /// A copy continues independently; both write their forces to one memory before they integrate.

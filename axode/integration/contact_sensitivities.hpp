@@ -10,8 +10,8 @@
 /// forces that are constant in each step. They are the exact derivatives of the numerical method, by implicit
 /// differentiation of the equations of a step (D11.19 to D11.23, D11.36 to D11.38): which contacts touch,
 /// stick, slide and bounce is taken as unchanged by a small displacement. At a gap of 0, the derivative is
-/// that of a displacement that opens the gap. Displacements and gradients of q are left-trivialised, along q ⊕
-/// ε dq. Damping and dry friction of joints, springs, hard stops and closed loops act.
+/// that of a displacement that opens the gap. Displacements and gradients of q are left-trivialised, along q
+/// ⊕ ε dq. Damping and dry friction of joints, springs, hard stops and closed loops act.
 ///
 /// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
 /// unit norm, step <= 0, shapes of another model or with a stiffness, prescribed motions, drives with states,

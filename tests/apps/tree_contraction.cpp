@@ -1,6 +1,6 @@
-#include "apps/study/tree_contraction.hpp"
+#include "apps/study/contraction/tree_contraction.hpp"
 
-#include "apps/study/contraction_counts.hpp"
+#include "apps/study/contraction/contraction_counts.hpp"
 #include "apps/study/study.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/model/hinge_chain.hpp"

@@ -16,7 +16,8 @@ enum class BodyGroup {
              ///< point
   SO3xR3,    ///< q is that of SE3; v = (angular velocity in body axes, velocity of the centre of mass in
              ///< inertial axes)
-  by_joint,  ///< SE3 for a body whose joint on the ground constrains it, so that its motion is in a subgroup of
+  by_joint,  ///< SE3 for a body whose joint on the ground constrains it, so that its motion is in a subgroup
+             ///< of
              ///< SE(3), which steps on SE(3) do not leave; SO3xR3 for all others
 };
 

@@ -117,8 +117,9 @@ class LimbPack {
   }
   /// The right side of row i in lane l, after the elimination.
   double right_side(int l, int i) const { return b_.lane(i, l); }
-  /// Computes the velocities x of all limbs that follow from the right side, the inner velocities y (f numbers
-  /// for all task velocities; first_inner[l] is the first one of the limb in lane l) and the carrying ones s.
+  /// Computes the velocities x of all limbs that follow from the right side, the inner velocities y (f
+  /// numbers for all task velocities; first_inner[l] is the first one of the limb in lane l) and the carrying
+  /// ones s.
   void expand(const double* y, const std::vector<int>& first_inner, const double* s, double* x) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.inner; ++j)
@@ -134,8 +135,8 @@ class LimbPack {
   }
 
   /// Computes the rows of F (D18.6) of the dependent velocities. Their columns, the motions of the limb, are
-  /// the independent carrying velocities, transformed by N (carrying × any, row by row with `stride` numbers),
-  /// and the inner velocities of the limb.
+  /// the independent carrying velocities, transformed by N (carrying × any, row by row with `stride`
+  /// numbers), and the inner velocities of the limb.
   void make_F(const double* N, int stride) noexcept {
     for (int i = shape.dependent; i-- > 0;) {
       for (int t = 0; t < free_; ++t) {

@@ -11,8 +11,8 @@
 namespace axode {
 namespace {
 
-/// Replaces the right side b in the last column of (A, b), n × (n + 1), by A⁻¹ b. Returns false if a pivot is not
-/// larger than the certain part of the largest entry of A and of `considerable`.
+/// Replaces the right side b in the last column of (A, b), n × (n + 1), by A⁻¹ b. Returns false if a pivot is
+/// not larger than the certain part of the largest entry of A and of `considerable`.
 bool solve_square(Eigen::MatrixXd& A, double considerable) noexcept {
   const Eigen::Index n = A.rows();
   double size = considerable;

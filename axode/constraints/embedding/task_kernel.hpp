@@ -15,8 +15,8 @@ TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>>
 /// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
 /// and velocities of joints that the platform does not determine. The dependent velocities of each limb (a
 /// chain that carries the platform) are eliminated from its loop equations. The equations that remain
-/// restrict the carrying velocities, those of the joints between the ground and the platform. Limbs of the same
-/// shape are computed together, in SIMD lanes.
+/// restrict the carrying velocities, those of the joints between the ground and the platform. Limbs of the
+/// same shape are computed together, in SIMD lanes.
 class AXODE_ENTRY TaskKernel {
  public:
   using Vector = Eigen::VectorXd;

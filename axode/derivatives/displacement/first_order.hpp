@@ -192,8 +192,8 @@ template <class T> struct FirstOrder {
     Number q, v, a;
   };
   /// The entries of adjacent columns of the matrices for a tree without couplings. A row above the joint of a
-  /// column has the products of its screw with P, R and U of the column; a row of its subtree has the products
-  /// of its U and t with the screws of the column (D1.17).
+  /// column has the products of its screw with P, R and U of the column; a row of its subtree has the
+  /// products of its U and t with the screws of the column (D1.17).
   struct Columns {
     Arrays<T> effect, NtS;  // copies, so that the compiler knows that no result overwrites them
     Number screws[psi_2 + 12], psi_1_of[3], wrenches[18];
@@ -246,8 +246,8 @@ template <class T> struct FirstOrder {
     }
     add_losses(tree, loads, stride, dv);
   }
-  /// Writes the columns c, c + 1, ... of the matrices, one in each lane. The columns after them must have been
-  /// written before, because lanes beyond the end of a row spill into the next row.
+  /// Writes the columns c, c + 1, ... of the matrices, one in each lane. The columns after them must have
+  /// been written before, because lanes beyond the end of a row spill into the next row.
   template <bool with_a>
   void write_columns(const Topology& topology, int c, bool loaded, std::ptrdiff_t stride, T* dq, T* dv,
                      T* da) const noexcept {

@@ -81,7 +81,8 @@ template <class T> struct ScrewEffects {
   }
 };
 
-/// Stores the six-vectors (a; b), one in each SIMD lane, as components k to k + 5 of entry i and those after it.
+/// Stores the six-vectors (a; b), one in each SIMD lane, as components k to k + 5 of entry i and those after
+/// it.
 template <class Number, class T>
 void store6(const Vec3<Number>& a, const Vec3<Number>& b, const Arrays<T>& to, int k, int i) {
   to.store3(a, k, i);
@@ -92,8 +93,8 @@ template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, 
   return {x.load3(0, i), x.load3(3, i)};
 }
 
-/// A joint screw S, the twist V_p of the predecessor and its rate with gravity included, and the twist V of the
-/// body that the joint moves.
+/// A joint screw S, the twist V_p of the predecessor and its rate with gravity included, and the twist V of
+/// the body that the joint moves.
 template <class T> struct MovingColumn { Motion6<T> S, V_p, dV_p, V; };
 
 /// The joint screws of a moving tree, and the quantities on which displacements along them depend, in
@@ -109,8 +110,8 @@ template <class T> struct MovingScrews {
   struct SpatialMotion {
     Vector w, v, dw, dv;
   };
-  /// Offsets of the vectors in the row of a body: the columns of its rotation R, its position r, its twist (w;
-  /// v), and the rate of its twist with gravity included.
+  /// Offsets of the vectors in the row of a body: the columns of its rotation R, its position r, its twist
+  /// (w; v), and the rate of its twist with gravity included.
   struct OfBody {
     static constexpr int R_x = 0, R_y = 4, R_z = 8, r = 12, w = 16, v = 20, dw = 24, dv = 28;
   };

@@ -10,8 +10,8 @@
 namespace axode {
 
 /// A row of n numbers for each body or joint screw. Code for one body writes and reads its row by a few
-/// whole vectors; code in SIMD lanes transposes the rows of several bodies, one body in each lane. Three-vectors
-/// begin at multiples of four, so that each fills a register of four lanes.
+/// whole vectors; code in SIMD lanes transposes the rows of several bodies, one body in each lane.
+/// Three-vectors begin at multiples of four, so that each fills a register of four lanes.
 template <class T, int n> struct NumberRows {
   using L = Lanes<T>;
   using Number = typename L::Number;

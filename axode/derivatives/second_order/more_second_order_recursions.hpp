@@ -6,9 +6,9 @@
 /// The recursions for τ, τ' and τ'' in spatial and in mixed twists.
 namespace axode {
 
-/// The recursion in spatial twists ((D3.15) and (D3.16) of docs/derivations), about a point that is fixed and at
-/// which the origin of the root body (the body of its branch on the ground) is. Wrenches are summed up as they
-/// are.
+/// The recursion in spatial twists ((D3.15) and (D3.16) of docs/derivations), about a point that is fixed and
+/// at which the origin of the root body (the body of its branch on the ground) is. Wrenches are summed up as
+/// they are.
 template <class T> struct SecondOrderRecursion<Spatial, T> {
   using V6 = Twist<Spatial, T>;
   using W6 = Wrench<Spatial, T>;
@@ -96,9 +96,9 @@ template <class T> struct SecondOrderRecursion<Spatial, T> {
   }
 };
 
-/// The recursion in mixed twists and wrenches ((D3.17) to (D3.19) of docs/derivations): the components of angular
-/// velocities and couples are differentiated in axes that turn, and those of velocities and forces in inertial
-/// ones.
+/// The recursion in mixed twists and wrenches ((D3.17) to (D3.19) of docs/derivations): the components of
+/// angular velocities and couples are differentiated in axes that turn, and those of velocities and forces in
+/// inertial ones.
 template <class T> struct SecondOrderRecursion<Mixed, T> {
   using V6 = Twist<Mixed, T>;
   using W6 = Wrench<Mixed, T>;

@@ -62,9 +62,9 @@ class ContactMotion {
   /// Takes adaptive steps until the end of the motion: computes each step as a whole and in two halves, and
   /// takes the halves if both agree; otherwise tries a shorter step. Where several contacts share an impact,
   /// its outcome depends on when it takes place within a step, so that velocities do not agree however short
-  /// the step is. Such a step is taken if they do not agree much better than in a step that was a hundred times
-  /// longer, and if what they differ by moves nothing beyond the tolerances in the step. A step not longer than
-  /// 1e-9 of the duration of the motion is always taken.
+  /// the step is. Such a step is taken if they do not agree much better than in a step that was a hundred
+  /// times longer, and if what they differ by moves nothing beyond the tolerances in the step. A step not
+  /// longer than 1e-9 of the duration of the motion is always taken.
   void take_steps(const Tolerances& tolerances);
   /// Lets a motion that has reached its end continue until a later time (s).
   void continue_until(double until);

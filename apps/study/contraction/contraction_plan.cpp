@@ -1,4 +1,4 @@
-#include "apps/study/contraction_plan.hpp"
+#include "apps/study/contraction/contraction_plan.hpp"
 
 #include "axode/recursion/articulated_inertia.hpp"
 #include "axode/recursion/link.hpp"

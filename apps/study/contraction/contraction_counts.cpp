@@ -1,7 +1,7 @@
-#include "apps/study/contraction_counts.hpp"
+#include "apps/study/contraction/contraction_counts.hpp"
 
+#include "apps/study/contraction/tree_contraction.hpp"
 #include "apps/study/longest_path.hpp"
-#include "apps/study/tree_contraction.hpp"
 
 namespace axode::command {
 

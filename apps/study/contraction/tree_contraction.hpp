@@ -1,7 +1,7 @@
 #pragma once
 #include <span>
 
-#include "apps/study/contraction_plan.hpp"
+#include "apps/study/contraction/contraction_plan.hpp"
 #include "apps/study/matrix6.hpp"
 #include "apps/study/screws_once.hpp"
 #include "axode/recursion/forward_kinematics.hpp"
