@@ -37,10 +37,10 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
   const double size = 1 + Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)).norm();
   for (const LoopRows& loop : loops.all)
     if (const double rate = r.segment(loop.first_row, loop.rows).norm(); !(rate <= closed_enough * size))
-      throw std::invalid_argument("v does not keep loop \"" + loop.name + "\" closed: A v is " +
+      throw std::invalid_argument("v does not keep loop \"" + loop.name + "\" closed: A v is off by " +
                                   to_text(rate) +
-                                  " (rad/s and m/s) and must be 0; assemble() finds such velocities, in a "
-                                  "shell --assemble, as \"axode eval FILE --assemble\"");
+                                  " (rad/s and m/s); assemble() finds such velocities, in a shell "
+                                  "--assemble, as \"axode eval FILE --assemble\"");
 }
 
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v,
