@@ -204,7 +204,7 @@ template <class T> struct FirstOrder {
       for (int k = 0; k < 3; ++k) psi_1_of[k] = L::load(effect.array(psi_1 + k) + c);
     }
     Entries above(int r) const {
-      return {product<6>(effect, S, r, wrenches + P - U), product<6>(effect, S, r, wrenches + R - U),
+      return {product<6>(effect, S, r, wrenches + (P - U)), product<6>(effect, S, r, wrenches + (R - U)),
               product<6>(effect, S, r, wrenches)};
     }
     Entries below(int r, bool loaded) const {
