@@ -18,9 +18,9 @@ struct RoundingErrors {
   Of inverse_dynamics, forward_dynamics;
 };
 
-/// The rounding errors for root bodies that are 0, 1, 10, ..., 1e6 m away from the inertial origin, and then
-/// for a last body whose inertia is 1e1 to 1e4 times as large. The errors are differences from the results in
-/// long double.
+/// The rounding errors of inverse and forward dynamics for root bodies that are 0, 1, 10, ..., 1e6 m away from
+/// the inertial origin, and then for a last body whose inertia is 1e1 to 1e4 times as large. The errors are
+/// differences from the results in long double.
 std::vector<RoundingErrors> rounding_errors(const Model& model);
 
 }  // namespace axode::command

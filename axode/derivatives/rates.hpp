@@ -17,8 +17,9 @@ template <class T> class ForceSeries;
 /// See (D3.9) to (D3.11) of docs/derivations.
 template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
  public:
-  /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if the order is negative, and
-  /// for a model with loops, for which the function inverse_dynamics_rates() must be called instead.
+  /// Allocates the memory for time derivatives of τ up to an order. Throws std::invalid_argument if the order
+  /// is negative, and for a model with loops, for which the function inverse_dynamics_rates() must be called
+  /// instead.
   InverseDynamicsRates(const Model& model, int order);
   ~InverseDynamicsRates();
   InverseDynamicsRates(InverseDynamicsRates&&) noexcept;

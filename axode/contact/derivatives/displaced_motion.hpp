@@ -42,7 +42,8 @@ FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, cons
 
 /// The motion of the bodies of a tree at a state (q, v), and its changes along k directions (dq, dv), a
 /// column for each. dq are left-trivialised displacements. Let ξ_i be the displacement and V_i = V_p + S v
-/// the twist of body i with the predecessor p and the joint screws S; then
+/// the twist of body i with the predecessor p and the joint screws S. With the changes dπ of the geometric
+/// parameters of body i and the unit screws U along which they move it,
 ///   ξ_i = ξ_p + U dπ + S dq,   dV_i = dV_p + [ξ_i, S v] + S dv                                     (D11.17)
 /// about a fixed point O, which coincides with the origin of the root of body i at q. Costs O(n k). An object
 /// is the scratch memory of one thread.

@@ -20,9 +20,9 @@ struct ParameterDirections {
   Eigen::Index count() const { return std::max({inertia.cols(), geometry.cols(), placement.cols()}); }
 };
 
-/// The displacements ξ = U dπ of all bodies by geometric parameters alone, without those of their
-/// predecessors: 6 (n + 1) × p for changes dπ (6 n × p). The unit screws U are about the fixed points of
-/// `at`.
+/// The displacements ξ = U dπ of all bodies by changes dπ (6 n × p) of their geometric parameters, without
+/// the displacements of their predecessors; 6 (n + 1) × p. The columns of U are the six unit screws of the
+/// frame that the body would have if its joint were at zero, about the point to which `at` refers the screws.
 Eigen::MatrixXd geometric_displacements(const Tree<double>& tree, const SpatialTree<double>& at,
                                         const double* q, const Eigen::MatrixXd& geometry);
 

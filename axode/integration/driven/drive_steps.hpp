@@ -51,9 +51,9 @@ class DriveSteps {
   }
 
   /// Advances the motion to t_1, in several steps if inputs of drives jump, or the laws of drives change
-  /// their form, before. rates(t, q, v, x, a, dx) must write accelerations a and rates dx of x and return
-  /// whether it succeeded; close(q, v) must close the loops at the end of a step and return whether they are
-  /// closed.
+  /// their form, before. rates(t, q, v, x, a, dx) must write accelerations a and the rates dx of the
+  /// states x of the drives and return whether it succeeded; close(q, v) must close the loops at the end of a
+  /// step and return whether they are closed.
   template <class Rates, class Close> End advance(double t_1, const Rates& rates, const Close& close) {
     while (t_ < t_1) {
       if (const End end = take_step(t_1, rates, close); end != End::none) return end;

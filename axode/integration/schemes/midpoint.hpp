@@ -82,7 +82,8 @@ template <class System> class Midpoint {
     v += dp;
   }
   /// The inertia that springs, dampers and drives seem to add to each velocity in a step of length h, or null
-  /// if Newton's matrix was not needed in the last run or this had another length.
+  /// if Newton's matrix was not needed in the last call of run_again(), or the length h was another one
+  /// there.
   const double* resistance(double h) const {
     return matrix_in_use_ == MatrixKind::newton && h == h_ ? matrix_.resistance().data() : nullptr;
   }
