@@ -59,13 +59,7 @@ template <class T> struct SecondOrderRecursion<Spatial, T> {
       b.F[2] = times(M_3, V[0]) + T(3) * (times(M_2, V[1]) + times(M_1, V[2])) + times(M, V[3]) -
                W6{cross(M_2.h, tree.g), {}};
     }
-    if (!loads.wrenches.empty()) {
-      poses.run(tree, q);
-      for (const AppliedWrench<T>& load : loads.wrenches) {
-        const ResolvedLoad<T> on(tree, load, poses.C);
-        apply(on, body[on.body]);
-      }
-    }
+    each_load(tree, q, loads, poses, [&](const ResolvedLoad<T>& on) { apply(on, body[on.body]); });
     drive_rates(tree, rates, loads.joint_losses, tau);
     for (int i = tree->n; i > 0; --i) {
       const auto& [C, V, F] = body[i];
@@ -148,13 +142,7 @@ template <class T> struct SecondOrderRecursion<Mixed, T> {
       b.V[3].v = p.V[3].v + p.R * c_4[0];
       put_wrenches(tree.M[i], w, tree.g, b);
     }
-    if (!loads.wrenches.empty()) {
-      poses.run(tree, q);
-      for (const AppliedWrench<T>& load : loads.wrenches) {
-        const ResolvedLoad<T> on(tree, load, poses.C);
-        apply(on, body[on.body]);
-      }
-    }
+    each_load(tree, q, loads, poses, [&](const ResolvedLoad<T>& on) { apply(on, body[on.body]); });
     drive_rates(tree, rates, loads.joint_losses, tau);
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];

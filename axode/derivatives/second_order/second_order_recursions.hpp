@@ -27,6 +27,16 @@ template <class T> struct LoadRates {
   }
 };
 
+/// Calls f with each load as a wrench on a body at the configuration q. `poses` receives the poses of the
+/// bodies, unless there are no loads.
+template <class T, class F>
+void each_load(const Tree<T>& tree, const T* q, const Loads<T>& loads, BodyPoses<T>& poses,
+               const F& f) noexcept {
+  if (loads.wrenches.empty()) return;
+  poses.run(tree, q);
+  for (const AppliedWrench<T>& load : loads.wrenches) f(ResolvedLoad<T>(tree, load, poses.C));
+}
+
 /// Computes the joint forces of armatures and losses and their first two time derivatives, and writes them to
 /// the three rows of tau.
 template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool joint_losses, T* tau) noexcept {
@@ -94,14 +104,10 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
       b.F[1] = Pi[2] + coad(V[1], Pi[0]) + coad(V[0], Pi[1]) - M({{}, dg});
       b.F[2] = Pi[3] + coad(V[2], Pi[0]) + T(2) * coad(V[1], Pi[1]) + coad(V[0], Pi[2]) - M({{}, ddg});
     }
-    if (!loads.wrenches.empty()) {
-      poses.run(tree, q);
-      for (const AppliedWrench<T>& load : loads.wrenches) {
-        const ResolvedLoad<T> on(tree, load, poses.C);
-        const LoadRates<T> rates_of(on, body[on.body].V[0], body[on.body].V[1]);
-        for (int k = 0; k < 3; ++k) body[on.body].F[k] -= rates_of.W[k];
-      }
-    }
+    each_load(tree, q, loads, poses, [&](const ResolvedLoad<T>& on) {
+      const LoadRates<T> rates_of(on, body[on.body].V[0], body[on.body].V[1]);
+      for (int k = 0; k < 3; ++k) body[on.body].F[k] -= rates_of.W[k];
+    });
     drive_rates(tree, rates, loads.joint_losses, tau);
     for (int i = tree->n; i > 0; --i) {
       const auto& [C, S, dS, V, g, F] = body[i];
@@ -188,13 +194,7 @@ template <class T> struct SecondOrderRecursion<Hybrid, T> {
                     cross(M_2.h, tree.g),
                 Pi_3.f};
     }
-    if (!loads.wrenches.empty()) {
-      poses.run(tree, q);
-      for (const AppliedWrench<T>& load : loads.wrenches) {
-        const ResolvedLoad<T> on(tree, load, poses.C);
-        apply(on, body[on.body]);
-      }
-    }
+    each_load(tree, q, loads, poses, [&](const ResolvedLoad<T>& on) { apply(on, body[on.body]); });
     drive_rates(tree, rates, loads.joint_losses, tau);
     for (int i = tree->n; i > 0; --i) {
       const auto& [R, d, V, F] = body[i];
