@@ -72,8 +72,12 @@ class ContactSystem {
   std::span<const JointStop> stops() const { return stops_; }
   std::span<const DryJoint> dry_joints() const { return dry_; }
   /// Prescribes positions and accelerations for some rows of the loops, for later openings and biases of the
-  /// loops (D12.1).
-  void prescribe(std::span<const PrescribedRow<double>> rows) { loops_.prescribe(rows); }
+  /// loops (D12.1). prescribed() returns these rows.
+  void prescribe(std::span<const PrescribedRow<double>> rows) {
+    prescribed_.assign(rows.begin(), rows.end());
+    loops_.prescribe(rows);
+  }
+  std::span<const PrescribedRow<double>> prescribed() const { return prescribed_; }
 
   /// Computes the poses of the internal frames (joint frames) of all bodies at q (n_bodies + 1 entries). The
   /// constraint rows and the factors of the mass matrix are invalid afterwards.
@@ -172,6 +176,7 @@ class ContactSystem {
   Model model_;
   int contact_rows_;
   LoopSystem<double> loops_;
+  std::vector<PrescribedRow<double>> prescribed_;
   std::vector<JointStop> stops_;
   std::vector<DryJoint> dry_;
   VelocityProblem problem_;

@@ -53,10 +53,7 @@ class ContactPhase {
   ContactPhase(const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Sets the right sides of prescribed motions, rows of the loops, for all later calls (D12.1).
-  void follow(std::span<const PrescribedRow<double>> rows) {
-    motions_.assign(rows.begin(), rows.end());
-    system_.prescribe(rows);
-  }
+  void follow(std::span<const PrescribedRow<double>> rows) { system_.prescribe(rows); }
 
   /// The forces at a state: joint forces τ (nv) without those of contacts, and loads.
   struct Forces {
@@ -184,7 +181,6 @@ class ContactPhase {
   ConfigurationGroup<double> group_;
   ContactFinder finder_;
   ContactSystem system_;
-  std::vector<PrescribedRow<double>> motions_;
   ContactJets jets_;
   DisplacedMotion motion_;
   VelocitySolver solver_;

@@ -193,7 +193,7 @@ std::string ContactPhase::project(Vector& q, Vector& v) {
   if (rows.empty()) return {};
   u_.resize(system_.problem().rows());
   system_.times(v.data(), u_.data());
-  for (const PrescribedRow<double>& it : motions_) u_[system_.first_loop_row() + it.row] -= it.ds;
+  for (const PrescribedRow<double>& it : system_.prescribed()) u_[system_.first_loop_row() + it.row] -= it.ds;
   const Vector x = correction(rows, u_);
   system_.push(x.data(), change.data());
   v += change;
@@ -294,7 +294,7 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
     const int row = problem.blocks()[contacts_.size() + k].first;
     problem.r[index(row)] = far * speed_ * Y_.col(row).norm();
   }
-  for (const PrescribedRow<double>& it : motions_)
+  for (const PrescribedRow<double>& it : system_.prescribed())
     problem.r[index(system_.first_loop_row() + it.row)] = -it.ds;
   std::vector<Impact> all(closed.size());
   std::vector<double> restitution(closed.size());
@@ -324,7 +324,7 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
     double work = 0;
     for (Eigen::Index row = 0; row < rows; ++row)
       work += c_[index(row)] * lambda[row] * (u_[row] + after[row]) / 2;
-    for (const PrescribedRow<double>& it : motions_)
+    for (const PrescribedRow<double>& it : system_.prescribed())
       work -= lambda[system_.first_loop_row() + it.row] * it.ds;
     if (!any || work <= rounding * problem.w.squaredNorm()) break;
   }

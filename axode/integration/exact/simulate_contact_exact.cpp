@@ -10,28 +10,12 @@
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/kinematics/check_arguments.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
 
-/// The properties that the exact mode counts: those that sensitivities of motions with contact count,
-/// prescribed motions and drives.
-constexpr catalog::Counts of_exact_mode = [] {
-  constexpr catalog::OtherId contact("contact");
-  catalog::Counts counts = catalog::other_functions[contact.index].counts;
-  counts.motions = counts.drives = catalog::counted;
-  return counts;
-}();
-
 void check_exact(const Model& model, const ContactShapes& shapes, const SimulationOptions& options) {
-  check_shapes(model, shapes);
-  catalog::check_counts("contact_exact", of_exact_mode, model, catalog::Caller::whole);
-  if (options.coordinates != Coordinates::relative)
-    throw std::invalid_argument("contact_exact needs coordinates = \"relative\"; got \"" +
-                                std::string(to_string(options.coordinates)) + '"');
-  if (options.local_coordinates != LocalCoordinates::exponential)
-    throw std::invalid_argument("contact_exact needs local_coordinates = \"exponential\"; got \"cayley\"");
+  check_contact_simulation("contact_exact", model, shapes, options);
   if (options.joint_losses) refuse_gears(model);
   for (const auto& [a, b] : shapes.pairs())
     if (shapes.surface(a, b).compliance)

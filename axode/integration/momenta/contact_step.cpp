@@ -153,8 +153,8 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
   certificate = unresolved = 0;
   touched = false;
   if (Failure failure = run_->check_finite(t, q_0, v_0)) return failure;
-  start_.follow(run_->motion_rows(t));
-  end_.follow(run_->motion_rows(t + h));
+  start_.system.prescribe(run_->motion_rows(t));
+  end_.system.prescribe(run_->motion_rows(t + h));
   start_.system.poses(q_0.data(), C_.data());
   const double margin = finder_.shapes().margin() + reach(h, v_0);
   if (Failure failure = find(q_0, margin, start_.contacts, t)) return failure;
@@ -417,7 +417,7 @@ Failure ContactStep::work(double t, double& sum) {
       for (std::size_t k = index(b.first) + (compliant ? 1 : 0); k < index(b.first + b.rows); ++k)
         sum += end.system.problem().c[k] * end.lambda[k] * (end.u[k] + after[k]) / 2;
     }
-    for (const PrescribedRow<double>& it : end.motions) {
+    for (const PrescribedRow<double>& it : end.system.prescribed()) {
       const std::size_t k = index(end.system.first_loop_row() + it.row);
       sum -= end.system.problem().c[k] * end.lambda[k] * it.ds;
     }

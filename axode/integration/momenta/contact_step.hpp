@@ -58,16 +58,11 @@ class ContactStep {
     std::vector<double> lambda = {};  ///< multipliers in scaled rows
     std::vector<double> u = {};       ///< velocities of the rows before the impulses
     std::vector<double> u_after = {};
-    std::vector<PrescribedRow<double>> motions = {};  ///< rows of loops that follow functions of time
-    Vector x = {}, v = {};                            ///< scratch (nv)
+    Vector x = {}, v = {};  ///< scratch (nv)
 
     End(const Model& model, int rows, std::size_t capacity, bool dry_friction)
         : system(model, rows, capacity, dry_friction), x(model.nv()), v(model.nv()) {}
     std::size_t rows() const { return system.problem().r.size(); }
-    void follow(std::span<const PrescribedRow<double>> rows) {
-      motions.assign(rows.begin(), rows.end());
-      system.prescribe(rows);
-    }
   };
   /// First guesses for the multipliers of a contact at the start and at the end of the next step: those of a
   /// step or, at the start, their extrapolation from two steps; and those at the start of the last step.

@@ -134,7 +134,7 @@ void ContactStep::set_r_of_end(double bounciness) {
       set(index(problem.blocks()[n + k].first),
           bounciness * e * start_.u[index(start_.system.problem().blocks()[n_0 + stop].first)]);
   }
-  for (const PrescribedRow<double>& it : end_.motions)
+  for (const PrescribedRow<double>& it : end_.system.prescribed())
     set(index(end_.system.first_loop_row() + it.row), -it.ds);
 }
 

@@ -26,16 +26,6 @@ constexpr catalog::Counts of_simulations = [] {
   return counts;
 }();
 
-void check_all(const Model& model, const ContactShapes& shapes, const SimulationOptions& options) {
-  check_shapes(model, shapes);
-  catalog::check_counts("contact", of_simulations, model, catalog::Caller::whole);
-  if (options.coordinates != Coordinates::relative)
-    throw std::invalid_argument("contact needs coordinates = \"relative\"; got \"" +
-                                std::string(to_string(options.coordinates)) + '"');
-  if (options.local_coordinates != LocalCoordinates::exponential)
-    throw std::invalid_argument("contact needs local_coordinates = \"exponential\"; got \"cayley\"");
-}
-
 }  // namespace
 
 void check_contact(const Model& model, const ContactShapes& shapes) {
@@ -43,11 +33,23 @@ void check_contact(const Model& model, const ContactShapes& shapes) {
   catalog::check_counts("contact", of_rollouts, model, catalog::Caller::whole);
 }
 
+void check_contact_simulation(const char* method, const Model& model, const ContactShapes& shapes,
+                              const SimulationOptions& options) {
+  check_shapes(model, shapes);
+  catalog::check_counts(method, of_simulations, model, catalog::Caller::whole);
+  if (options.coordinates != Coordinates::relative)
+    throw std::invalid_argument(std::string(method) + " needs coordinates = \"relative\"; got \"" +
+                                std::string(to_string(options.coordinates)) + '"');
+  if (options.local_coordinates != LocalCoordinates::exponential)
+    throw std::invalid_argument(std::string(method) +
+                                " needs local_coordinates = \"exponential\"; got \"cayley\"");
+}
+
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options) {
   check_step(step);
-  check_all(model, shapes, options);
+  check_contact_simulation("contact", model, shapes, options);
   ContactMotion motion(model, shapes, q, v, until, options);
   motion.take_steps(step);
   return std::move(motion.run().trajectory);
@@ -57,7 +59,7 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, const Tolerances& tolerances,
                             const SimulationOptions& options) {
   check_tolerances(tolerances);
-  check_all(model, shapes, options);
+  check_contact_simulation("contact", model, shapes, options);
   ContactMotion motion(model, shapes, q, v, until, options);
   motion.take_steps(tolerances);
   return std::move(motion.run().trajectory);
