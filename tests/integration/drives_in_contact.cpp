@@ -13,6 +13,17 @@ namespace axode::test {
 namespace drives_in_contact {
 namespace {
 
+/// A body of 1 kg on a prismatic joint along x that the motor drives.
+Description slider_with(const DriveDescription& motor) {
+  Description slider{.name = "slider"};
+  slider.bodies = {{.name = "box",
+                    .joint = {.name = "slide", .kind = JointKind::prismatic, .axis = {1, 0, 0}},
+                    .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 1, 0, 0, 0}}}};
+  slider.drives = {motor};
+  slider.drives[0].joints = {{"slide", 1.0}};
+  return slider;
+}
+
 TEST(DrivesInContact, HaveOrderTwoInFlight) {
   for_seeds(6, [](std::uint64_t seed) {
     const double until = 0.1;
@@ -49,12 +60,7 @@ TEST(DrivesInContact, HaveOrderTwoWhileContactsSlide) {
   Description sled = Scene({.friction = mu}).add("box", ShapeKind::box, half, {.friction = mu}).description;
   sled.drives = {motor};
   sled.drives[0].line = DriveDescription::Line{.between = {"ground", "box"}, .points = {Vec3<>{-2, 0, half}}};
-  Description slider{.name = "slider"};
-  slider.bodies = {{.name = "box",
-                    .joint = {.name = "slide", .kind = JointKind::prismatic, .axis = {1, 0, 0}},
-                    .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 1, 0, 0, 0}}}};
-  slider.drives = {motor};
-  slider.drives[0].joints = {{"slide", 1.0}};
+  const Description slider = slider_with(motor);
   SimulationOptions friction;
   friction.drive = [](double, Span, Span, std::span<double> tau) { tau[0] = -mu * g; };
   const Trajectory exact = simulate(ModelBuilder(slider).build(), {{0.0}}, {{speed}}, until,
@@ -248,12 +254,7 @@ TEST(DrivesInExactContact, ABoxSlipsWhenTheCurrentOfItsMotorCanPullIt) {
   const double slip = -L / R * std::log(1 - mu * g * R / (k * V));
   for (const double t : slips) EXPECT_NEAR(t, slip, 1e-10);
 
-  Description slider{.name = "slider"};
-  slider.bodies = {{.name = "box",
-                    .joint = {.name = "slide", .kind = JointKind::prismatic, .axis = {1, 0, 0}},
-                    .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 1, 0, 0, 0}}}};
-  slider.drives = {motor};
-  slider.drives[0].joints = {{"slide", 1.0}};
+  const Description slider = slider_with(motor);
   SimulationOptions friction{.x = {mu * g / k}};
   friction.drive = [](double, Span, Span, std::span<double> tau) { tau[0] = -mu * g; };
   const Trajectory exact =
