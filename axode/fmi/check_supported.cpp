@@ -20,7 +20,7 @@ constexpr catalog::Counts without_contact{.loops = catalog::counted,
                                           .drives = catalog::counted,
                                           .plays = catalog::counted,
                                           .contacts = catalog::of_the_tree()};
-/// Those of FMUs for co-simulation of mechanisms that move with contact.
+/// The properties that FMUs for co-simulation count if the mechanism moves with contact.
 constexpr catalog::Counts with_contact = [] {
   catalog::Counts counts = without_contact;
   counts.motions = counts.plays = catalog::refused("remove [contact] and the hard stops of joints");

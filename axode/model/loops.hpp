@@ -32,10 +32,10 @@ struct LoopTraits {
   std::string_view name;
   int rows;       ///< number of rows of the Jacobian
   int residuals;  ///< number of residuals; fewer than rows if some rows have no position level
-  /// Which of the motions ω_x ω_y ω_z v_x v_y v_z the joint leaves free. For a helical joint ω_z is free, and
-  /// v_z = pitch ω_z follows from it. A universal joint has the same entries as a spherical joint, but one
-  /// more constraint equation. For rods, rolling contacts and belts, whose motions do not form a subgroup,
-  /// all entries are false.
+  /// For each of the motions ω_x ω_y ω_z v_x v_y v_z, whether the joint leaves it free. For a helical joint
+  /// ω_z is free, and v_z = pitch ω_z follows from it. A universal joint has the same entries as a spherical
+  /// joint, but one more constraint equation. For rods, rolling contacts and belts, whose motions do not form
+  /// a subgroup, all entries are false.
   std::array<bool, 6> free;
   bool located;  ///< whether the position of the joint matters and not only its directions
   /// The members of LoopDescription by which a joint of this kind is described in the inertial frame at q =

@@ -11,8 +11,8 @@ namespace axode::codegen {
 /// The default prefix of all names in generated C: the name of the model as an identifier.
 std::string prefix_for(const Model& model, Abi abi);
 
-/// The name of each frame of the model as a C identifier. If two identifiers would be equal, or could not be
-/// told apart after the name of a representation has been appended, they are numbered.
+/// The name of each frame of the model as a C identifier. Numbers are appended to identifiers that would be
+/// equal, also after the name of a representation has been appended to one of them.
 std::vector<std::string> frame_identifiers(const Model& model, Abi abi);
 
 /// The names PREFIX_FUNCTION of generated functions. For a pose or a Jacobian the name of the frame is

@@ -13,7 +13,7 @@ namespace axode::codegen {
 /// is symmetric about its axis, for a prismatic joint the whole rotational inertia, and for a spherical joint
 /// the mass as a point mass in its centre.
 ///
-/// Of this tree, callers may use only the constant poses B and the inertias M of the bodies.
+/// Callers may use only the constant poses B and the inertias M of the bodies of the result.
 Tree<double> traced_tree(const Tree<double>& tree);
 
 }  // namespace axode::codegen

@@ -137,8 +137,8 @@ class AXODE_ENTRY TaskKernel {
                                  ///< velocity
   bool are_components_ = false;  ///< whether the carrying velocities themselves are the chosen components
   RowElimination<double> to_components_;
-  /// What the limbs have left over after the elimination of the velocities without a drive: a row for each
-  /// carrying velocity, a column for each equation, and a column for a right side.
+  /// The equations for the drive forces that remain after the limbs' velocities without a drive have been
+  /// eliminated: a row for each carrying velocity, a column for each equation, and a column for a right side.
   Eigen::MatrixXd drives_;
   bool drives_by_limbs_ = false;  ///< whether drive_forces() may use the elimination of resolve()
   Matrix N_;                      ///< carrying velocities × f: N of (D18.5)

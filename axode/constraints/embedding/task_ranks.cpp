@@ -5,7 +5,7 @@
 #include "axode/constraints/embedding/task_kernel.hpp"
 #include "axode/model/configuration.hpp"
 
-/// What a TaskKernel determines once: its limbs, their ranks, and the task velocities.
+/// The part of TaskKernel that is computed once: its limbs, their ranks, and the task velocities.
 namespace axode {
 namespace {
 

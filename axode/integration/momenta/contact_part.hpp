@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// What the derivative of a substep with contact needs: its states, its impulses, and which contacts slide
-/// and bounce. A substep is a whole step, or a part of a step that was repeated in parts.
+/// The data from which a substep with contact is differentiated: its states, its impulses, and which contacts
+/// slide and bounce. A substep is a whole step, or a part of a step that was repeated in parts.
 struct ContactPart {
   using Vector = Eigen::VectorXd;
   /// The distance of a joint from a stop (rad or m) up to which the stop is closed at the end of a step.
