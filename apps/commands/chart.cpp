@@ -367,8 +367,9 @@ class Script {
         x / size_[0], y / size_[1], literal(note(chart_.panels[place])));
   }
 
-  /// The gnuplot commands that draw the legend of the first panel below the chart, as wide as the chart. It
-  /// is drawn as the legend of an additional plot without curves.
+  /// The gnuplot commands that draw one legend in a strip below all panels. The strip is as wide as the
+  /// chart, and the legend has the curves of the first panel. It belongs to an additional plot without
+  /// curves.
   std::string legend_below() const {
     std::string text = fmt::format(
         "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "

@@ -9,8 +9,9 @@
 /// with LF, CR LF or CR.
 namespace axode::command {
 
-/// Calls row(line, cells) for each row of a file that is not empty, with the number of its first line, from
-/// 1. Throws InputError if the file cannot be read, or a quote in it is never closed.
+/// Reads a file and calls row(line, cells) for each row that is not empty. `line` is the number of the line
+/// in which the row begins, from 1. Throws InputError if the file cannot be read, or a quote in it is never
+/// closed.
 void for_rows_of_csv(const std::string& file,
                      const std::function<void(std::size_t line, const std::vector<std::string>& cells)>& row);
 

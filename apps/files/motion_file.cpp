@@ -52,8 +52,9 @@ void gather(const std::vector<std::string>& headings, const std::vector<std::vec
     for (const std::size_t k : at) rows.numbers.push_back(line[k]);
 }
 
-/// Collects the loads in a table with the columns `load moment: NAME x` to `load force: NAME z`: the frames
-/// NAME of the model that have these columns become "load_frames", and the numbers become "loads".
+/// Collects the loads in a table with the columns `load moment: NAME x` to `load force: NAME z`.
+/// out["load_frames"] receives the indices of the frames NAME of the model that have all six columns, and
+/// out["loads"] the numbers in these columns.
 void gather_loads(const Model& model, const std::vector<std::string>& headings, Tables& out,
                   const std::vector<std::vector<double>>& lines) {
   const std::map<std::string_view, std::size_t> places = [&] {
@@ -153,7 +154,8 @@ void read_contacts(const Json& json, const std::string& file, ShownMotion& motio
   }
 }
 
-/// Reads the names of the loaded frames in the JSON that `axode simulate` writes, as a table of their numbers.
+/// Reads the names of the loaded frames in the JSON that `axode simulate` writes, as a table of their
+/// numbers.
 void read_load_frames(const Model& model, const Json& json, const std::string& file, Tables& out) {
   if (!json.contains("load_frames")) return;
   Rows& frames = out["load_frames"] = {0, 1, {}};

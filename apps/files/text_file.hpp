@@ -6,8 +6,8 @@ namespace axode::command {
 /// The bytes of a file, or of standard input if `file` is "-". Throws InputError if it cannot be read.
 std::string read_bytes(const std::string& file);
 
-/// The text of a file as read_bytes(), without a byte order mark. Throws InputError if it is not UTF-8 or has
-/// zero bytes.
+/// The text of a file, or of standard input if `file` is "-", without a byte order mark. Throws InputError if
+/// the file cannot be read, is not UTF-8 or has zero bytes.
 std::string read_text(const std::string& file);
 
 /// Replaces the contents of a file by the text, or leaves the file as it was and throws InputError.

@@ -30,8 +30,8 @@ Names velocities_of(Subgroup kind) {
 }
 
 /// Makes a Component (later a curve of a chart) for each coordinate, or each velocity, of the joints that are
-/// not coupled. names_of(kind) returns the names of the components of a kind of joint; the names of lengths
-/// are last.
+/// not coupled. names_of(kind) returns the names of the coordinates, or velocities, of a kind of joint: first
+/// those of its rotations, then those of its translations, whose unit is a length.
 std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup)) {
   std::vector<Component> all;
   for (int i = 1; i <= model.n_bodies(); ++i) {

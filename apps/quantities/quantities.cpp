@@ -242,8 +242,10 @@ struct Result {
     }
   }
 
-  /// Adds the numbers of the arrays `results` to a table. The leading cells of each row are `before` and the
-  /// names of the number's place in its array, one for each axis of the array from number `axis` on.
+  /// Adds the numbers of the arrays `results` to a table. The axes of the arrays are those of the function's
+  /// result from number `axis` on. The first row begins with the cells `before`. Then each row has one name
+  /// for each axis, which says at which index on this axis the numbers of the row are. Only the last axis of
+  /// a matrix has no such cell: its indices are the columns of the table.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {
