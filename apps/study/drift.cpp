@@ -13,8 +13,8 @@ namespace {
 
 using Vector = std::vector<double>;
 
-/// Computes the accelerations dv of the bodies under gravity and the drive forces tau. Returns false if there are
-/// none.
+/// Computes the accelerations dv of the bodies under gravity and the drive forces tau. Returns false, without
+/// dv, if the equations of motion cannot be solved because the mass matrix is singular.
 bool accelerate(AbsoluteSystem& bodies, const Vector& tau, std::span<const double> q,
                 std::span<const double> v, std::span<double> dv) {
   const ConfigurationGroup<double> group(bodies.group());

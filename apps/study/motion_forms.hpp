@@ -1,7 +1,8 @@
 #pragma once
 #include "axode/recursion/forward_kinematics.hpp"
 
-/// Accelerations and jerks of all bodies by the forms of their recursions that the paper gives side by side.
+/// Accelerations and jerks of all bodies by the forms of their recursions that A. Müller's paper (see
+/// docs/notation.md) gives side by side.
 namespace axode::command {
 
 /// The terms of V'_i = down V'_p + S a + bias in which the forms differ. U is down V_p.

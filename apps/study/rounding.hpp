@@ -6,8 +6,9 @@
 namespace axode::command {
 
 /// The largest rounding errors of forces and accelerations in a few random states, relative to the largest
-/// force or acceleration, for each representation of twists. `inertial` is the spatial representation of the
-/// paper, about the inertial origin; `spatial` is that of the library, about the origin of each root body.
+/// force or acceleration, for each representation of twists. `inertial` is the spatial representation of A.
+/// Müller's paper (see docs/notation.md), about the inertial origin; `spatial` is that of the library, about
+/// the origin of each root body.
 struct RoundingErrors {
   struct Of {
     double body, spatial, inertial, hybrid, mixed;
@@ -18,9 +19,9 @@ struct RoundingErrors {
   Of inverse_dynamics, forward_dynamics;
 };
 
-/// The rounding errors of inverse and forward dynamics for root bodies that are 0, 1, 10, ..., 1e6 m away from
-/// the inertial origin, and then for a last body whose inertia is 1e1 to 1e4 times as large. The errors are
-/// differences from the results in long double.
+/// The rounding errors of inverse and forward dynamics for root bodies that are 0, 1, 10, ..., 1e6 m away
+/// from the inertial origin, and then for a last body whose inertia is 1e1 to 1e4 times as large. The errors
+/// are differences from the results in long double.
 std::vector<RoundingErrors> rounding_errors(const Model& model);
 
 }  // namespace axode::command

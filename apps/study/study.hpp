@@ -45,13 +45,15 @@ class Subject {
   virtual ~Subject() = default;
   virtual bool can(Algorithm algorithm) const = 0;
   virtual void run(Algorithm algorithm, int calls) = 0;
-  /// The result of one call of any algorithm but `accelerations`. The result of `momentum_form` has the
-  /// velocities first, then the rates of the momenta.
+  /// Runs an algorithm once and returns its result: forces, accelerations or the entries of a matrix. For
+  /// `momentum_form`, which computes velocities and the rates of the momenta from given momenta, the
+  /// velocities come first, then the rates. `algorithm` must not be `accelerations`: its result, the twists
+  /// of all bodies and their rates, is not kept.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
-/// Makes a Subject in a representation Rep of twists and in the body frames Frames. Rep is BodyFixed,
-/// Spatial, Hybrid or Mixed, or Fast for the library's fastest algorithms; Fast requires Frames = JointFrames
-/// and a state without loads.
+/// Makes an object that runs algorithms on a model in one state, to measure their costs, with a
+/// representation Rep of twists and the body frames Frames. Rep is BodyFixed, Spatial, Hybrid or Mixed, or
+/// Fast for the library's fastest algorithms; Fast requires Frames = JointFrames and a state without loads.
 template <class Rep, class Frames>
 std::unique_ptr<Subject> make_subject(const Model& model, const State& state);
 /// The number of operations of one call of an algorithm, which the subject must be able to run.

@@ -8,8 +8,8 @@
 
 namespace axode::command {
 
-/// A number with its derivative in one direction, for which no operation is executed that a derivative does not
-/// need: a product takes two more products and a sum, a sum takes one more.
+/// A number with its derivative in one direction, for which no operation is executed that a derivative does
+/// not need: a product takes two more products and a sum, a sum takes one more.
 template <class S> struct Tangent {
   S x{}, dx{};
 
@@ -42,8 +42,8 @@ template <class S> struct Tangent {
     friend Tangent select(bool condition, const Tangent& a, const Tangent& b) { return condition ? a : b; }
 };
 
-/// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics by the recursion of a representation on tangents, one run for each
-/// direction.
+/// Computes the derivatives ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics by forward differentiation: the
+/// recursion for τ runs once for each direction, on numbers that carry their derivative in this direction.
 template <class T> class TangentDerivatives {
   using Number = Tangent<T>;
 

@@ -22,11 +22,12 @@ struct ContractionPlan {
   std::vector<double> least_pivot;  ///< n_screws: a segment may be singular if a pivot is not larger
   int rounds = 0, compressions = 0;
 
-  /// Makes a plan for a tree without coupled joints. Nodes (bodies or chains of bodies) with one child are
-  /// joined to others in the first `most_rounds` rounds only; with 0 rounds the plan is the articulated-body
-  /// algorithm. If the inertia of a node does not determine the accelerations of the joint above it, for
-  /// example because a body is massless, the node is joined to the one above it only after others have been
-  /// joined to it.
+  /// Plans the contraction of a tree without coupled joints. Nodes are bodies or chains of bodies. In each
+  /// round, every node without children is joined to the node above it. In the first `most_rounds` rounds a
+  /// node with one child can also be joined to the node above it, if that has one child as well; with 0
+  /// rounds the plan is the articulated-body algorithm. If the inertia of a node with one child does not
+  /// determine the accelerations of the joint above it, for example because a body is massless, the node is
+  /// joined to the one above it only after others have been joined to it.
   explicit ContractionPlan(const Tree<double>& tree, int most_rounds = std::numeric_limits<int>::max());
 };
 

@@ -18,17 +18,22 @@ struct OneByOne {
   void meet() {}
 };
 
-/// Forward dynamics in spatial twists by contraction of the tree, in O(log n) rounds on n processors. It is
-/// the divide and conquer of Featherstone (A divide-and-conquer articulated-body algorithm for parallel
-/// O(log(n)) calculation of rigid-body dynamics, Int. J. Robotics Research 18(9), 1999, pp. 867-892) with
-/// other inputs of a segment, a part of the tree from a first body to a last one. Featherstone's inputs are
-/// the wrenches at both ends. Here they are the acceleration a of the first body and the wrench f that the
-/// last body passes on to the bodies below; the outputs are
+/// Forward dynamics in spatial twists by contraction of the tree, in O(log n) rounds on n processors. Each
+/// step joins a node of the tree to the node above it, until all are joined to the ground. A node is a
+/// segment, a chain from a first body to a last one, which can be the same body. A body becomes part of a
+/// longer segment only when all its branches but one have been joined to it, so that a longer segment has at
+/// most one node below it.
+///
+/// The algorithm is the divide and conquer of Featherstone (A divide-and-conquer articulated-body algorithm
+/// for parallel O(log(n)) calculation of rigid-body dynamics, Int. J. Robotics Research 18(9), 1999, pp.
+/// 867-892) with other inputs of a segment. Featherstone's inputs are the wrenches at both ends. Here they
+/// are the acceleration a of the first body and the wrench f that the last body passes on to the node below,
+/// 0 if there is none. The outputs are
 ///   wrench on the first body = K a + Eᵀ f + κ,  acceleration of the last body: b = E a - N f + α.   (1)
 /// The coefficients K, E, κ, N and α belong to the segment. For one body, K is its inertia, E = I and N = 0;
-/// nothing is inverted, so that massless bodies are allowed. A step whose upper node is one body is a step of
-/// the articulated-body algorithm. The joint above a segment, with the screws S, the acceleration x, the
-/// drive force τ and the bias c, is eliminated by a = a_p + c + S x, where a_p is the acceleration of the
+/// nothing is inverted, so that massless bodies are allowed. A step that joins a node to a single body is a
+/// step of the articulated-body algorithm. The joint above a segment, with the screws S, the acceleration x,
+/// the drive force τ and the bias c, is eliminated by a = a_p + c + S x, where a_p is the acceleration of the
 /// predecessor. With U = K S, G = E S, D = Sᵀ U + armature and u = τ - Sᵀ κ this gives
 ///   x = (u - Uᵀ (a_p + c) - Gᵀ f) / D,  K -= U Uᵀ / D,  E -= G Uᵀ / D,  N += G Gᵀ / D,               (2)
 ///   κ += U u / D + K c,  α += G u / D + E c.
@@ -38,7 +43,7 @@ struct OneByOne {
 ///   b = P a + h - Q (E'ᵀ f + κ'),                                                                    (3)
 /// and the joined segment has, with π = h - Q κ', in place of K, E, N, κ and α
 ///   K + Xᵀ X,  E' P,  N' + E' Q E'ᵀ,  κ + Eᵀ (K' π + κ'),  α' + E' π.                                (4)
-/// A node without children has f = 0. For trees without coupled joints and without loads.
+/// The tree must have no coupled joints, and no loads act.
 template <class T> class TreeContraction {
  public:
   explicit TreeContraction(const Tree<double>& tree, ContractionPlan plan)
