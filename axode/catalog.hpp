@@ -67,11 +67,13 @@ template <class T> struct Function : Words {
   std::size_t size(const Model& model, std::size_t n_loads) const;
 };
 
-/// The rows of all functions, in the order of the documentation. Rep is the representation of twists and
-/// wrenches (BodyFixed, Spatial, Hybrid or Mixed) in which results are given or recursions run; or Fast, the
-/// choice that takes the least time, for functions with a fast recursion only.
+/// The catalogue: a row for each function of a state, such as inverse_dynamics, in the order of the
+/// documentation. A row describes the arguments and the results of its function and has pointers by which it
+/// is called. Rep is the representation of twists and wrenches (BodyFixed, Spatial, Hybrid or Mixed) in which
+/// results are given or recursions run. It can also be Fast, the choice that takes the least time; the rows
+/// are then only those of functions with a fast recursion.
 template <RecursionChoice Rep, class T = double> std::span<const Function<T>> functions();
-/// The row of a function, or nullptr if no function has this name.
+/// The row of a function in the catalogue, or nullptr if no function has this name.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);
 
 /// The name in this library of a function that other libraries, or earlier versions of this one, call

@@ -40,8 +40,9 @@ class RolledMotion {
     run_.restart(t, q, v, x);
     steps_.restart();
   }
-  /// Advances the motion to t_1, in several steps if inputs jump or drives change before. The forces tau act
-  /// if there is no drive. Returns false on failure.
+  /// Advances the motion to the time t_1 (s), in several steps if before t_1 an input of a drive or a
+  /// prescribed motion jumps, or the law of a drive changes its form. The joint forces tau act unless there
+  /// is a Drive, a function that computes them. Returns false if the motion cannot continue.
   bool advance(double t_1, Span tau) {
     tau_ = tau;
     certificate = 0;

@@ -14,8 +14,10 @@ struct MotionsUnderForces {
   std::span<double> q_out, v_out;
 };
 
-/// Throws std::invalid_argument for states x of the drives of a wrong size or not finite, for an x_out that
-/// shares memory, and for a start at which a simulation cannot begin. There are N motions.
+/// Checks the arguments of a rollout of N motions that belong to drives. Throws std::invalid_argument if the
+/// initial states x of the drives have a wrong size or are not finite, if the memory x_out for the later
+/// states has a wrong size or overlaps that of an argument or a result, and if the time of the start is not
+/// finite or, with dry friction or losses of gears, is not 0.
 void check_drives(const MotionsUnderForces& motions, const DriveMotions& drives, const DriveSystem& system,
                   std::size_t N, const Losses& losses);
 
