@@ -60,9 +60,9 @@ static void @NAME@_lanes(
 }
 #endif
 )";
-/// C code that computes sines and cosines for the states in all SIMD lanes, in single precision. It calls the
-/// C function for n angles, which reduces angles in double precision; the vector types of single precision
-/// cannot do so.
+/// C code of a function NAME_lanes that computes sines and cosines for the states in all SIMD lanes, in
+/// single precision. It calls the generated function NAME for an array of angles (see c_sine_cosine()),
+/// because NAME reduces angles in double precision; the vector types of single precision cannot do so.
 constexpr const char* turn_one_by_one = R"(#if AXODE_LANES > 1
 static void @NAME@_lanes(
     const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine,

@@ -6,9 +6,9 @@
 namespace axode::codegen {
 namespace {
 
-/// Writes CUDA code for one thread, which computes one of n states. The states lie side by side in memory.
-/// Sines and cosines are computed one by one, and the statements are ordered such that few registers are
-/// needed.
+/// Writes the CUDA code by which one thread evaluates a recorded function at one of n states. Entry k of an
+/// argument or a result of state i has the index k n + i in memory. Sines and cosines are computed for one
+/// angle at a time, and the statements are ordered such that few registers are needed.
 class CudaEmitter final : public Emitter {
  public:
   CudaEmitter(const Recording& recording, const Precision& precision)

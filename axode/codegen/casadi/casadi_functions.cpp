@@ -131,9 +131,10 @@ class Accelerations {
         columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
     return columns;
   }
-  /// The upper triangle of the Hessian, by x = (q, v, tau), of the weighted accelerations w·a. The inverse
-  /// dynamics is T(q, v, a), indices denote its derivatives, and mu = M⁻¹ w. The arguments are L = mu T_xx,
-  /// the columns of T_x, and K = M⁻¹ (mu T_aq).
+  /// The upper triangle of the Hessian of the weighted accelerations w·a by (q, v, tau). The accelerations a
+  /// solve T(q, v, a) = tau, where T is the inverse dynamics. Indices denote derivatives of T by x = (q, v,
+  /// a) or by parts of it, and mu = M⁻¹ w with the mass matrix M. The arguments are L = mu T_xx, the columns
+  /// of T_x, and K = M⁻¹ (mu T_aq).
   Traces curvature(const Traces& L, const Traces& T_x, const std::vector<Traces>& K) const {
     const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
                       moving = nq + nv;

@@ -28,16 +28,18 @@ class CasadiInverse {
     std::vector<int> places;
   };
 
-  /// `entries` are the indices r + nv c of those entries (r, c) of A = M⁻¹ that the generated function
-  /// computes. `weights` is the name of the argument that has a weight for each of them. `masses` are the
-  /// derivatives of the mass matrix.
+  /// `entries` are the indices r + nv c of those entries (r, c) of A = M⁻¹, the inverse of the mass matrix M,
+  /// that the generated function for A computes. `masses` are the recorded derivatives of M by q, one of each
+  /// Kind, from which those of A are computed. The gradient of the weighted sum of the entries has an
+  /// argument with their weights; `weights` is its name.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// A description of a derivative of A = M⁻¹, with the mass matrix M, in the form of a recording (a list of
-  /// operations). It has the names of the arguments, and each result is the constant 0 if it is always 0,
-  /// otherwise 1.
+  /// The signature of the generated function for a derivative of A = M⁻¹, where M is the mass matrix: the
+  /// names and lengths of its arguments, the name of its result, and the sparsity of the result. It has the
+  /// form of a recording (a list of operations) in which each entry of the result is the constant 0 if it is
+  /// always 0, and otherwise the constant 1.
   Recording signature(Kind kind) const;
   /// The operations that a derivative of A takes in addition to the computation of A.
   Operations operations(Kind kind) const;

@@ -150,8 +150,10 @@ fs::path temporary_folder() {
 }
 /// Moves the work folders that other, ended processes have left in the cache into `work`, the work folder of
 /// this process, which is removed with all that is in it. They are not removed in place, because this could
-/// fail while a compiler that outlives its process still creates files there. `lock` is this process's lock
-/// (held or not) on the source with the key `key`.
+/// fail while a compiler that outlives its process still creates files there. The name of a work folder
+/// begins with the key of a source, and the process that compiles this source holds its lock. The folder is
+/// therefore abandoned if this process holds the lock or can take it. `key` is the key of the source that
+/// this process compiles, and `lock` the lock of this source, held or not.
 void collect_abandoned(const fs::path& cache, const fs::path& work, const std::string& key,
                        const Lock& lock) {
   std::error_code failed;

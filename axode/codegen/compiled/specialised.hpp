@@ -34,9 +34,11 @@ class CompilationEnded : public std::runtime_error {
 /// The library needs a compiler at run time for this class only.
 template <class T = double> class Specialised {
  public:
-  /// Compiles the given functions. Throws std::invalid_argument for wrong names or functions, for the
-  /// function `pose`, and if `lanes`, the number of states that are computed at once, is not 1, 2, 4, 8 or
-  /// 16, and std::runtime_error if there is no compiler or it fails.
+  /// Compiles functions of the model. Throws std::invalid_argument if `functions` is empty, names a function
+  /// twice, or has a function for which no code can be generated, that cannot take loops or another property
+  /// of the model into account, or whose frame does not exist; the function `pose` cannot be compiled. Also
+  /// throws it if `lanes`, the number of states that are computed at once, is not 1, 2, 4, 8 or 16, and
+  /// std::runtime_error if there is no compiler or it fails.
   Specialised(const Model& model, std::span<const codegen::Function> functions,
               SpecialisedOptions options = {});
   Specialised(const Model& model, std::initializer_list<codegen::Function> functions,
@@ -65,10 +67,10 @@ namespace batch {
 
 /// Computes one of the compiled functions in N states. Arguments, results, threads and the monitor are those
 /// of batch::run() in axode/batch.hpp. If the mass matrix of a state may be singular, the library's own
-/// function computes this state and decides. Results differ from the library's by rounding. They depend
-/// neither on the index of a state nor on the number of threads, but a call for a single state does not use
-/// SIMD lanes and may differ by rounding. Throws std::invalid_argument for wrong arguments, for a function
-/// that was not compiled, and for loads.
+/// function computes this state again and decides whether the matrix is singular. Results differ from the
+/// library's by rounding. They depend neither on the index of a state nor on the number of threads, but a
+/// call for a single state does not use SIMD lanes and may differ by rounding. Throws std::invalid_argument
+/// for wrong arguments, for a function that was not compiled, and for loads.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,

@@ -23,9 +23,9 @@ using Traces = Composition::Traces;
 
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
-/// Determines whether the mass matrix may be singular. It may be if a pivot of its factorisation is small
-/// compared with the inertia that the velocity moves at q = 0. In float, each pivot is also compared with the
-/// rounding errors of the numbers from which it is computed.
+/// Determines whether the mass matrix may be singular. It may be if the pivot of a velocity in its
+/// factorisation is small compared with the inertia that this velocity moves at q = 0. In float, each pivot
+/// is also compared with the rounding errors of the numbers from which it is computed.
 class SingularityTest {
  public:
   SingularityTest(const Tree<double>& tree, bool single_precision)
