@@ -8,8 +8,9 @@
 namespace axode {
 namespace {
 
-/// The angle of a joint by the poses of its bodies minus its coordinate `counted`, which counts whole turns;
-/// 0 if this is within the rounding error of `counted`.
+/// The difference between `angle`, the angle of a joint by the poses of its bodies, and its coordinate
+/// `counted`, which counts whole turns. Poses determine angles up to whole turns; `angle` must be the one
+/// nearest to `counted`. The difference is 0 if it is within the rounding error of `counted`.
 double angle_residual(double angle, double counted) {
   const double open = angle - counted;
   const double rounding = 4 * std::numeric_limits<double>::epsilon();

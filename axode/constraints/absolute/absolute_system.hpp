@@ -43,8 +43,9 @@ inline double largest_of(std::span<const double> numbers) {
 /// determine.
 ///
 /// B has six rows for each joint, in the axes of the joint, then one row for each rotor, and then those of
-/// the loops. Rows of free directions are 0, except in a coupled joint, where the row binds its velocity to
-/// that of its leader. A rotor whose velocity is not the rate of a coordinate has no residual.
+/// the loops. Rows of free directions are 0, except in a coupled joint: its velocity is a constant ratio
+/// times that of another joint, its leader, and one row states this. A rotor whose velocity is not the rate
+/// of a coordinate has no residual.
 ///
 /// O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints: the free velocities are
 /// eliminated body by body, as in the articulated-body algorithm.
@@ -68,9 +69,10 @@ class AbsoluteSystem {
   /// that turn with one joint velocity), and back. Angles keep their whole turns.
   void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
   void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
-  /// Computes the absolute coordinates q and velocities v from the poses C and body-fixed twists V of the
-  /// ground (entry 0) and of all body frames that the user placed. Angles are those nearest to reference
-  /// angles.
+  /// Computes the absolute coordinates q and velocities v from poses C and body-fixed twists V. Entry 0 is
+  /// that of the ground, and entry i that of the frame of body i as the user placed it, which may differ from
+  /// the internal frame. Of angles that differ by whole turns, those nearest to the angles of
+  /// set_reference_angles() are taken.
   void set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Vector& q,
                             Vector& v);
   /// Sets the reference joint coordinates (nq of the model), near which angles (by whole turns) and
@@ -94,14 +96,15 @@ class AbsoluteSystem {
     return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
   }
   void set_nonholonomic_rates(Span q, Span v, double scale, Vector& out);
-  /// Adds the constraint forces Bᵀ λ to f (nv), with the rows B at q.
+  /// Adds the constraint forces Bᵀ λ to f (nv() numbers), with the constraint Jacobian B at q.
   void add_constraint_forces(Span q, Span lambda, Vector& f);
-  /// Computes the momentum p = M v (nv) with the constant mass matrix M.
+  /// Computes the momentum p = M v (nv() numbers) with the constant mass matrix M.
   void momentum(Span v, Vector& p) const;
   /// The kinetic energy plus the potential energy of gravity, J.
   double energy(Span q, Span v);
-  /// Computes the forces f (nv) of gravity, loads and drives on the bodies at (q, v), with the drive forces
-  /// `tau` of the joints (nv of the model). Damping and dry friction act if loads.joint_losses is set.
+  /// Computes the forces f of gravity, loads and drives on the bodies at (q, v), nv() numbers in absolute
+  /// coordinates. `tau` has the drive forces of the joints, one for each velocity of the model. Damping and
+  /// dry friction act if loads.joint_losses is set.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
   /// Evaluates the kinematics at q and factorises the linear system of mass matrix and constraint Jacobian at
