@@ -18,10 +18,11 @@ template <class T> class AXODE_ENTRY DriveElimination {
 
   /// Computes the drive forces τ (nv) and, unless `lambda` is null, the multipliers λ (a number for each loop
   /// equation) with τ + Aᵀ λ = f, for given joint forces f and the Jacobian A of the loop equations. If there
-  /// are more drives than needed, τ has the least norm. `driven` (nv) flags the velocities with drives,
-  /// entries[k] has the entries of A for loop k, column by column, and entries below `considerable` may be
-  /// rounding errors. Returns false, without results, if some motion has no drive, if λ is wanted and not
-  /// unique, or if rounding leaves a rank open.
+  /// are more drives than needed, τ has the least norm. `driven` (nv) flags the velocities with drives, and
+  /// entries[k] has the entries of A for loop k, column by column. Pivots that are small compared with the
+  /// largest entry or with `considerable` may be rounding errors. Returns false, without results, if the
+  /// mechanism can move while all drives are locked, if λ is wanted and not unique, or if rounding leaves a
+  /// rank open.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 
@@ -36,7 +37,7 @@ template <class T> class AXODE_ENTRY DriveElimination {
     std::vector<T> mu;  ///< multipliers of the rows of `matrix` after the elimination
   };
   static int size(const std::vector<int>& of) { return static_cast<int>(of.size()); }
-  /// The index of the first column of a carrying velocity.
+  /// The index of the first column of a carrying velocity, one of the joints between ground and platform.
   static int carrying_column(const Part& part) { return size(part.passive) + size(part.active); }
 
   void sort_velocities(const char* driven) noexcept;
@@ -44,15 +45,19 @@ template <class T> class AXODE_ENTRY DriveElimination {
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
   /// Computes the multipliers of those loop equations of each limb (a chain that carries the platform) that
-  /// are left over after the elimination of the limb's velocities. `nu` has the multipliers of the equations
-  /// that are left over after the elimination of the platform's velocities; it is overwritten.
+  /// are left over after the elimination of the limb's velocities without a drive. `nu` has the multipliers
+  /// of the equations that result from these when the velocities without a drive of the joints between ground
+  /// and platform are eliminated too. It also serves as scratch memory: its contents are lost.
   void set_remaining(T* nu) noexcept;
-  /// Subtracts from `forces` (nv), at the velocities with drives, the constraint forces of all loop
-  /// equations, or only of those that remain after the eliminations. Returns the largest magnitude of a
-  /// subtracted term, the product of a multiplier and an entry of an equation.
+  /// Subtracts the constraint forces of loop equations from `forces` (nv), at the velocities with drives. If
+  /// `only_remaining` is set, only those equations of each limb count that are left over after the
+  /// elimination of the limb's velocities without a drive; otherwise all equations count. Returns the largest
+  /// magnitude of a subtracted term, the product of a multiplier and an entry of an equation.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
-  /// Projects the drive forces `forces` (nv) to those of least norm with the same effect. Returns false if it
-  /// is not certain, within rounding errors, which loop equations let drives act against each other.
+  /// Replaces the drive forces `forces` (nv) by those of least norm that cause the same motion: the part by
+  /// which drives act against each other is subtracted. Every loop equation that is left over after all
+  /// eliminations gives drive forces without effect on the motion; they are 0 if it is redundant. Returns
+  /// false if rounding errors leave open how many of these forces are independent.
   bool take_least(const T& considerable, T* forces) noexcept;
 
   const LoopTable& table_;

@@ -20,11 +20,13 @@ struct LimbShape {
   bool operator==(const LimbShape&) const = default;
 };
 
-/// Up to `width` limbs of the same shape, one in each SIMD lane: their loop equations, and what follows for
-/// the equations of motion in task space ((D18.2) to (D18.11)). The columns of a limb are its dependent
-/// velocities, its inner ones, and the carrying velocities, those of the joints between ground and platform.
-/// Only code that is compiled for an instruction set may call the functions, because the number of lanes
-/// depends on the set. Lanes without a limb have an identity in place of the dependent velocities.
+/// Up to `width` limbs (chains that carry the platform) of the same shape, one in each SIMD lane: their loop
+/// equations, and their parts of the equations of motion in task space ((D18.2) to (D18.11)). The matrix of a
+/// limb's loop equations has columns for three kinds of velocities: the dependent ones, which the equations
+/// determine; the inner ones, the other velocities of the limb, which neither the equations nor the platform
+/// determine; and the carrying ones, those of the platform's own joint. Only code that is compiled for an
+/// instruction set may call the functions, because the number of lanes depends on the set. Lanes without a
+/// limb have an identity in place of the dependent velocities.
 class LimbPack {
   using L = Lanes<double>;
   using Number = L::Number;
@@ -33,7 +35,8 @@ class LimbPack {
   static constexpr int width = L::width;
   LimbShape shape;
 
-  /// `carrying` is the number of carrying velocities, and `free` that of those that are independent.
+  /// `carrying` is the number of carrying velocities, those of the platform's own joint, and `free` the
+  /// number of independent ones among them.
   LimbPack(const LimbShape& of, int carrying, int free)
       : shape(of),
         carrying_(carrying),
@@ -53,8 +56,9 @@ class LimbPack {
   }
 
   bool full() const { return size(limbs_) == width; }
-  /// Adds a limb with the index `limb`, its velocities in the order of the columns, and its loops. `column`
-  /// maps a velocity to its column, and rows are the indices of the limb's loop equations.
+  /// Adds the limb with the index `limb`, a chain that carries the platform. `velocities` are its velocities,
+  /// in the order of the columns of the matrix of its loop equations; `rows` are the indices of these
+  /// equations, and `loops` those of its loops. column(c) returns the column of velocity c.
   template <class Column>
   void add(int limb, const std::vector<int>& velocities, const std::vector<int>& rows,
            const std::vector<int>& loops, const LoopTable& table, const Column& column) {
@@ -78,9 +82,11 @@ class LimbPack {
   /// The index of velocity j of the limb in lane l.
   int velocity(int l, int j) const { return velocity_[index(l * velocities() + j)]; }
 
-  /// Reads the entries of the loop equations, and eliminates the dependent velocities, with the largest entry
-  /// of a column as its pivot. Returns the least index of a limb with a pivot that is not larger than
-  /// `certain` times its largest entry and `considerable`; -1 if all limbs are regular.
+  /// Reads the entries of the loop equations, and eliminates the dependent velocities of each limb one after
+  /// the other. The pivot of a velocity is the largest entry of its column in the rows that remain. It must
+  /// be larger than `certain` times the larger of two numbers: `considerable`, and the largest entry of the
+  /// limb's equations at dependent velocities. Returns the index of a limb with too small a pivot; -1 if all
+  /// limbs are regular.
   int resolve(const std::vector<std::vector<double>>& entries, double considerable, double certain) noexcept {
     fill(entries);
     Number size(considerable);
@@ -103,7 +109,8 @@ class LimbPack {
     }
     return -1;
   }
-  /// Entry of a carrying velocity in a row of the limb in lane l, after the elimination.
+  /// The entry of carrying velocity c, one of the platform's own joint, in row i of the limb in lane l, after
+  /// the elimination.
   double carrying_entry(int l, int i, int c) const { return A_.lane(i * columns() + velocities() + c, l); }
 
   /// Sets the right side -γ (m numbers for all loop equations; null for zeros) and eliminates.
@@ -117,9 +124,10 @@ class LimbPack {
   }
   /// The right side of row i in lane l, after the elimination.
   double right_side(int l, int i) const { return b_.lane(i, l); }
-  /// Computes the velocities x of all limbs that follow from the right side, the inner velocities y (f
-  /// numbers for all task velocities; first_inner[l] is the first one of the limb in lane l) and the carrying
-  /// ones s.
+  /// Computes the velocities of all limbs and writes them to x (nv). `y` has the task velocities (f numbers),
+  /// from which the inner velocities of a limb, which the platform does not determine, are read: those of
+  /// limb k begin at first_inner[k]. `s` has the velocities of the platform's own joint. The dependent
+  /// velocities follow from both and from the right side of the eliminated loop equations.
   void expand(const double* y, const std::vector<int>& first_inner, const double* s, double* x) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.inner; ++j)
@@ -134,9 +142,11 @@ class LimbPack {
       for (int j = 0; j < velocities(); ++j) x[velocity(l, j)] = x_.lane(j, l);
   }
 
-  /// Computes the rows of F (D18.6) of the dependent velocities. Their columns, the motions of the limb, are
-  /// the independent carrying velocities, transformed by N (carrying × any, row by row with `stride`
-  /// numbers), and the inner velocities of the limb.
+  /// Computes the rows of the dependent velocities in the matrix F of v = F V (D18.6), which maps task
+  /// velocities V to joint velocities v. A limb has columns for the task velocities on which its velocities
+  /// depend: first those of the platform, then its inner velocities, which the platform does not determine. N
+  /// maps the task velocities of the platform to the velocities of the platform's own joint; it is stored row
+  /// by row, with `stride` numbers in each row.
   void make_F(const double* N, int stride) noexcept {
     for (int i = shape.dependent; i-- > 0;) {
       for (int t = 0; t < free_; ++t) {
@@ -152,14 +162,18 @@ class LimbPack {
       }
     }
   }
-  /// The entry of F for velocity j and motion t of the limb in lane l.
+  /// The entry of F, which maps task velocities to joint velocities, for velocity j and column t of the limb
+  /// in lane l.
   double F(int l, int j, int t) const {
     return j < shape.dependent ? F_.lane(j * motions() + t, l) : (t - free_ == j - shape.dependent ? 1 : 0);
   }
   int motions() const { return free_ + shape.inner; }
 
-  /// Computes Fᵀ M F of each limb (D18.11), by the mass matrix M (nv × nv) of the spanning tree with the
-  /// coupling of the limb and the carrying velocities.
+  /// Computes the part Fᵀ M F of each limb in the mass matrix of the task space (D18.11). F maps task
+  /// velocities to joint velocities, and M (nv × nv) is the mass matrix of the spanning tree. If the shape is
+  /// `coupled`, this includes the entries of M for a velocity of the limb and one of the platform's own
+  /// joint. `carrying` are the indices of the latter velocities, and N, with `stride` numbers in each row,
+  /// maps task velocities to them.
   void make_M(const double* M, int nv, const std::vector<int>& carrying, const double* N,
               int stride) noexcept {
     const int n = velocities(), d = shape.dependent, m = motions();
@@ -188,7 +202,7 @@ class LimbPack {
       }
     set_product(Q_, free_, false);
   }
-  /// Adds Fᵀ M F of all limbs to the mass matrix in task space, f × f.
+  /// Adds the parts of all limbs that make_M() computed to the mass matrix in task space, f × f.
   void add_M(const std::vector<int>& first_inner, double* out, int f) const noexcept {
     const int m = motions();
     for (int r = 0; r < free_; ++r)
@@ -206,7 +220,7 @@ class LimbPack {
           out[task(r) * f + task(t)] += task_.lane(r * m + t, l);
     }
   }
-  /// Adds Fᵀ w (f) for w (nv) to `out`.
+  /// Adds Fᵀ w (f numbers) for w (nv) to `out`, where F maps task velocities to joint velocities.
   void project(const double* w, const std::vector<int>& first_inner, double* out) noexcept {
     const int m = motions();
     for (int l = 0; l < size(limbs_); ++l) {
@@ -226,8 +240,10 @@ class LimbPack {
     }
   }
 
-  /// Computes the multipliers of the pivot rows of the velocities without a drive (D18.7) for forces f (nv),
-  /// and subtracts what they do in the carrying velocities from `carrying` (D18.8).
+  /// Computes the multipliers of the pivot rows of the dependent velocities without a drive: the constraint
+  /// forces of these loop equations supply the joint forces f (nv) that the motion needs at these velocities
+  /// (D18.7). Subtracts the constraint forces of the same rows at the velocities of the platform's own joint
+  /// from `carrying` (D18.8).
   void subtract_passive(const double* f, double* carrying) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.passive; ++j) x_.lane(j, l) = f[velocity(l, j)];
@@ -243,8 +259,9 @@ class LimbPack {
     }
   }
   void set_multiplier(int l, int i, double x) noexcept { b_.lane(i, l) = x; }
-  /// Computes the forces τ (nv) of the drives from f (nv) and the multipliers of all rows (D18.9), and sets
-  /// τ = 0 at the velocities without a drive.
+  /// Computes the drive forces τ (nv) in all limbs: the joint forces f (nv) that the motion needs, minus the
+  /// constraint forces of all loop equations for their multipliers (D18.9). At the velocities without a drive
+  /// τ is set to 0.
   void subtract_rows(const double* f, double* tau) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < velocities(); ++j) x_.lane(j, l) = j < shape.passive ? 0 : f[velocity(l, j)];

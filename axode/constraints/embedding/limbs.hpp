@@ -27,9 +27,10 @@ struct Limbs {
 /// body `platform` (1 to n, or 0 for none). `paths` has the paths of all loops in the spanning tree.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platform);
 
-/// Divides a mechanism into limbs, parts that are coupled only through the joints of a body called the
-/// platform. The platform is chosen such that eliminations limb by limb cost least: among the 16 bodies
-/// through which most loops pass, or none. O(nv + m d) for m loop equations on paths of d joints.
+/// Divides a mechanism into limbs, parts that are coupled only through the joints between the ground and a
+/// body called the platform. The platform is chosen such that eliminations limb by limb cost least. It is one
+/// of the 16 bodies through which most loops pass, or there is none if this costs least. O(nv + m d) for m
+/// loop equations on paths of d joints.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths);
 
 }  // namespace axode

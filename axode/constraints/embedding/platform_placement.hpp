@@ -8,7 +8,7 @@ namespace axode {
 struct PlatformPlacement {
   bool reached = false;
   /// The index of the limb (a chain that carries the platform) whose loops have the largest residual; -1 if
-  /// it is the joint of the platform that does not reach the pose.
+  /// the platform itself cannot have the wanted pose, because its own joint does not allow it.
   int limb = -1;
   double residual = 0;  ///< norm of the residual of this limb, or distance from the wanted pose if limb is
                         ///< -1, rad and m

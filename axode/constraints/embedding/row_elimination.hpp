@@ -48,9 +48,10 @@ template <class T> class RowElimination {
   int row_before(int i) const { return rows_[index(i)]; }
   int column_before(int j) const { return columns_[index(j)]; }
 
-  /// Eliminates the first columns with pivots that are larger than a threshold: a small constant times the
-  /// largest entry in these columns or `size`, whichever is larger. Returns whether the rank is certain, that
-  /// is, whether the remaining entries of these columns are so small that they are rounding errors.
+  /// Eliminates the first columns, as many as reset() was called with. Pivots must be larger than a small
+  /// constant times the larger of two numbers: the largest entry in these columns, and `size`, a magnitude of
+  /// entries that are no rounding errors. Returns whether the rank is certain, that is, whether the remaining
+  /// entries of these columns are so small that they are rounding errors.
   bool run(T size = T(0)) noexcept {
     for (int k = 0; k < m_ && k < p_; ++k) {
       int best_row = k, best_column = k;

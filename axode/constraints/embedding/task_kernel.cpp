@@ -11,8 +11,10 @@
 namespace axode {
 namespace {
 
-/// Replaces the right side b in the last column of (A, b), n × (n + 1), by A⁻¹ b. Returns false if a pivot is
-/// not larger than the certain part of the largest entry of A and of `considerable`.
+/// Solves a linear system by elimination. The argument A is n × (n + 1): a square matrix, and in the last
+/// column the right side, which is replaced by the solution. Returns false if a pivot is not larger than
+/// RowElimination::certain times the larger of two numbers: the largest entry of the square matrix, and
+/// `considerable`, a magnitude of entries that are no rounding errors.
 bool solve_square(Eigen::MatrixXd& A, double considerable) noexcept {
   const Eigen::Index n = A.rows();
   double size = considerable;

@@ -13,10 +13,10 @@ class LimbPack;
 TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
 
 /// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
-/// and velocities of joints that the platform does not determine. The dependent velocities of each limb (a
-/// chain that carries the platform) are eliminated from its loop equations. The equations that remain
-/// restrict the carrying velocities, those of the joints between the ground and the platform. Limbs of the
-/// same shape are computed together, in SIMD lanes.
+/// and velocities of joints that the platform does not determine. The platform has a joint on the ground,
+/// most often a free one, and its velocities are called the carrying velocities. The dependent velocities of
+/// each limb (a chain that carries the platform) are eliminated from its loop equations. The equations that
+/// remain restrict the carrying velocities. Limbs of the same shape are computed together, in SIMD lanes.
 class AXODE_ENTRY TaskKernel {
  public:
   using Vector = Eigen::VectorXd;
@@ -39,7 +39,7 @@ class AXODE_ENTRY TaskKernel {
   const Model& model() const { return system_.model(); }
   const std::vector<Part>& parts() const { return parts_; }
   const std::vector<int>& carrying() const { return carrying_; }
-  /// The number of independent carrying velocities.
+  /// The number of independent ones among the carrying velocities, those of the platform's own joint.
   int independent() const { return static_cast<int>(carrying_.size()) - dependent_; }
 
   /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the
@@ -50,21 +50,26 @@ class AXODE_ENTRY TaskKernel {
   /// bias of (A v)' = A a + γ for accelerations, and null for velocities. x may share the memory of X. The
   /// dependent velocities must have been eliminated from the loop equations before.
   void expand(const double* X, const double* gamma, double* x) noexcept;
-  /// Computes the rows of F of all limbs (D18.6). Must be called after resolve().
+  /// Computes the rows of all limbs in the matrix F, which maps task velocities to joint velocities (D18.6).
+  /// Must be called after resolve().
   void make_F() noexcept;
-  /// Writes F (D18.6), nv × f. Must be called after make_F().
+  /// Writes the matrix F, nv × f, which maps task velocities to joint velocities (D18.6). Must be called
+  /// after make_F().
   void write_F(Eigen::MatrixXd& F) const;
   /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
   /// matrix M and bias forces h. They are valid until the next call.
   std::span<double> tree_forces(std::span<const double> q, std::span<const double> v, const double* a,
                                 const Loads<double>& loads) noexcept;
-  /// Computes the drive forces τ (nv) for the forces f (nv) that the tree needs ((D18.7) to (D18.9)). Returns
-  /// false, without results, if a motion has no drive. Must be called after resolve().
+  /// Computes the drive forces τ (nv) of a motion, in which the spanning tree needs the joint forces f = M a
+  /// + h (nv) with its mass matrix M and bias forces h ((D18.7) to (D18.9)). Returns false, without results,
+  /// if the mechanism can move while all drives are locked, or if rounding leaves this open. Must be called
+  /// after resolve().
   bool drive_forces(const double* f, double* tau) noexcept;
   /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. Requires make_F()
   /// and the kinematics at q.
   void make_M(std::span<const double> q) noexcept;
-  /// Computes Fᵀ w (f) for w (nv). Must be called after make_F().
+  /// Computes Fᵀ w (f numbers) for w (nv), where F maps task velocities to joint velocities. Must be called
+  /// after make_F().
   void project(const double* w, double* out) noexcept;
   /// Subtracts M x (nv) from w, with the mass matrix M of the spanning tree. Requires make_M().
   void subtract_inertia_forces(const double* x, double* w) const noexcept;
@@ -89,11 +94,13 @@ class AXODE_ENTRY TaskKernel {
   bool has_drive(int c) const { return model().loops().driven[index(c)] != 0; }
   void make_parts(const Limbs& limbs);
   void determine_ranks();
-  /// Puts the limbs into packs, with the carrying velocities in their present order.
+  /// Puts the limbs into packs of the same shape, with the velocities of the platform's own joint in their
+  /// present order.
   void make_packs();
   void choose_components();
-  /// Orders velocities as an elimination chose its pivots: the dependent velocities, those without a drive
-  /// first, then the others, each in ascending order. Returns the number of dependent velocities.
+  /// Orders `velocities` in three groups: the dependent velocities without a drive, the dependent ones with a
+  /// drive, and the independent ones, each group in ascending order. The dependent velocities are those for
+  /// which the elimination of `matrix` found a pivot. Returns their number.
   int sort(const RowElimination<double>& matrix, std::vector<int>& velocities);
   void number_columns(const std::vector<int>& velocities);
   /// Finds the dependent velocities of a limb. Throws std::invalid_argument if rounding leaves the rank open.
@@ -101,17 +108,19 @@ class AXODE_ENTRY TaskKernel {
   /// Eliminates the dependent velocities of all limbs from their loop equations. Returns the index of a limb
   /// that is singular; -1 if there is none.
   int eliminate_limbs() noexcept;
-  /// Eliminates the carrying velocities that follow from the others from what the limbs have left over.
-  /// Returns whether the rank is certain.
+  /// Eliminates the dependent ones of the carrying velocities, those of the platform's own joint, from the
+  /// loop equations that remain after the elimination of the limbs' velocities. Returns whether the rank of
+  /// these equations is certain in spite of rounding errors.
   bool eliminate_constraints() noexcept;
-  /// Computes N for the independent carrying velocities as task velocities, N_c of (D18.4).
+  /// Computes the matrix N that maps task velocities to the carrying velocities, those of the platform's own
+  /// joint. The task velocities are here the independent ones among the latter, so that N is N_c of (D18.4).
   void solve_constraints() noexcept;
   /// Replaces the task velocities, which are independent velocities of the platform's joint, by the chosen
   /// components of the platform's twist: changes the matrix N that maps task velocities to the velocities of
   /// the joint. Returns whether these components determine the motion.
   bool change_to_components() noexcept;
-  /// Computes the inertias of bodies first, first + 1, ..., one in each SIMD lane, about the origins of their
-  /// roots.
+  /// Computes the inertias of the bodies with the indices first, first + 1, ..., one in each SIMD lane. They
+  /// are in inertial axes, about the origin of the first body on the path from the ground to each body.
   void set_inertias(int first) noexcept;
   /// Computes the mass matrix of the spanning tree at q; entries of velocities on different paths remain 0.
   void make_tree_M(std::span<const double> q) noexcept;
@@ -137,8 +146,9 @@ class AXODE_ENTRY TaskKernel {
                                  ///< velocity
   bool are_components_ = false;  ///< whether the carrying velocities themselves are the chosen components
   RowElimination<double> to_components_;
-  /// The equations for the drive forces that remain after the limbs' velocities without a drive have been
-  /// eliminated: a row for each carrying velocity, a column for each equation, and a column for a right side.
+  /// The linear system for the multipliers of the loop equations that remain after the elimination of the
+  /// limbs' velocities without a drive (D18.8). It has a row for each velocity of the platform's own joint, a
+  /// column for each remaining loop equation, and a last column for the right side.
   Eigen::MatrixXd drives_;
   bool drives_by_limbs_ = false;  ///< whether drive_forces() may use the elimination of resolve()
   Matrix N_;                      ///< carrying velocities × f: N of (D18.5)

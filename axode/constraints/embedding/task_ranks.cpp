@@ -16,9 +16,10 @@ constexpr std::array<std::string_view, 6> components{"omega_x", "omega_y", "omeg
                               "; limbs are determined at a configuration away from singularities");
 }
 
-/// Divides the mechanism into limbs, the chains that carry the body `platform`; -1 chooses the body for which
-/// computations limb by limb cost least. Throws std::invalid_argument if another body carries the platform or
-/// its joint is coupled.
+/// Divides the mechanism into limbs, the chains that carry the body `platform`. The joint of this body must
+/// be on the ground and must not be coupled. If `platform` is -1, the body is chosen for which computations
+/// limb by limb cost least, or none if its joint does not meet these conditions. Throws std::invalid_argument
+/// if the joint of a given platform does not meet them.
 Limbs division(const Model& model, const LoopTable& table, int platform) {
   const auto carried = [&](int i) {
     return i > 0 && (model.body(i).predecessor > 0 || model.joint(i).leader.has_value());

@@ -58,7 +58,8 @@ class Scaled {
   Matrix of(const std::vector<int>& rows, const std::vector<int>& velocities) const {
     return A_(rows, velocities);
   }
-  /// The twist of the platform, about the inertial origin, for carrying velocities without units.
+  /// The twist of the platform, about the inertial origin, for velocities of the platform's own joint without
+  /// units.
   Twist<Spatial> twist(const Vector& carrying) const {
     const Vector X = twists_ * carrying;  // (length ω; v) about the centre
     const Vec3<> w{X[0] / length, X[1] / length, X[2] / length}, v{X[3], X[4], X[5]};
@@ -96,8 +97,9 @@ class Scaled {
     }
     return angles;
   }
-  /// Computes the twist of the platform about the centre, as (length ω; v), for a unit of each scaled
-  /// velocity of its own joint. This unit is 1 m/s for a translation and 1/length rad/s for a rotation.
+  /// Computes the twists of the platform for a unit of each velocity of its own joint: 1 m/s for a
+  /// translation, and 1/length rad/s for a rotation. A twist is (length ω; v) in inertial axes about
+  /// `center`, the centre of the loop joints on the platform, and `length` is their mean distance from it.
   void make_twists() {
     const std::vector<int>& carrying = kernel_.carrying();
     twists_.setZero(6, std::ssize(carrying));

@@ -58,8 +58,8 @@ class TaskSpace {
   /// closed, regular configuration q. `platform` is the name of a body whose joint is on the ground; if it is
   /// empty, the body is chosen for which computations limb by limb cost least. Springs act only if their
   /// forces are added to τ. Throws std::invalid_argument for a wrong size of q or a q that leaves a loop
-  /// open, an unknown body, a body that another body carries, a mechanism without loops or with prescribed
-  /// motions, and ranks that rounding leaves open.
+  /// open, an unknown body, a body whose joint is coupled or not on the ground, a mechanism without loops or
+  /// with prescribed motions, and ranks that rounding leaves open.
   TaskSpace(const Model& model, std::span<const double> q, std::string_view platform = {});
   ~TaskSpace();
   TaskSpace(TaskSpace&&) noexcept;
@@ -67,8 +67,9 @@ class TaskSpace {
 
   const Model& model() const;
   int platform() const;  ///< index of the platform's body, 0 if there is none
-  /// The number f of task velocities, and their names: "platform.omega_x" to "platform.v_z" with the name of
-  /// the platform's body, or the name of a joint velocity.
+  /// The number f of task velocities, and their names. Components of the platform's twist are called
+  /// "BODY.omega_x" to "BODY.v_z", where BODY is the name of the platform's body. Task velocities that are
+  /// joint velocities have the names of these.
   int freedom() const;
   const std::vector<std::string>& names() const;
   /// limbs() is the number of limbs, which are the chains that carry the platform, and limb(l) has the
