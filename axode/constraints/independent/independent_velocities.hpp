@@ -22,7 +22,7 @@ IndependentVelocities independent_velocities(const Model& model, const Independe
                                              std::span<const int> wanted);
 
 /// Solves A x = b for each column of b such that x is 0 at the independent velocities. A is the Jacobian of
-/// the loop equations; only the equations that are independent by `rows` are used.
+/// the loop equations. `rows` says which of the equations are independent; the others are not used.
 Eigen::MatrixXd dependent_part(const IndependentVelocities& independent, const IndependentRows<double>& rows,
                                const Eigen::MatrixXd& A, const Eigen::MatrixXd& b);
 
