@@ -85,8 +85,9 @@ Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::In
 
 /// The point of a branch, a smooth set of configurations through q, whose projection on the tangent space of
 /// the branch at q is that of the point x. It is computed from the power series of the branch or, if the
-/// dimension is above 1, to second order. If the branch is a curve with a cusp, `other_side` selects the
-/// other of its two sides.
+/// dimension is above 1, to second order. If the branch is a curve with a cusp, two points can have this
+/// projection, at opposite values of the curve's parameter. The result is the one whose parameter has the
+/// sign of the projection or, if `other_side` is set, the opposite sign.
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {

@@ -29,10 +29,12 @@ class Closure {
   /// Indices of velocities of joints that are in no loop.
   const std::vector<int>& outside() const { return outside_; }
 
-  /// The indices of the loops and, after them, the couplings that take part in a linear combination of the
-  /// closure equations. `combination` has its coefficients, one for each equation.
+  /// The indices of the loops and couplings that take part in a linear combination of the closure equations.
+  /// Coupling k has the index k plus the number of loops. `combination` has the coefficients, one for each
+  /// equation.
   std::vector<int> loops_of_equations(const Eigen::Ref<const Eigen::VectorXd>& combination) const;
-  /// The indices of the loops and, after them, the couplings with a coordinate c that moves (moves[c]).
+  /// The indices of the loops and couplings with a coordinate c that moves (moves[c]). Coupling k has the
+  /// index k plus the number of loops.
   std::vector<int> loops_of_coordinates(const std::vector<char>& moves) const;
 
   /// Computes the left sides of the closure equations as power series: for each loop log f, where f is the

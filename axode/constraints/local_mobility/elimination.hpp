@@ -28,9 +28,10 @@ struct Elimination {
   Eigen::MatrixXd z;                     ///< polynomials z(u) that solve the equations in the range of the
                                          ///< derivative
   Eigen::MatrixXd left;                  ///< columns: a basis of the left null space of the derivative
-  /// Bounds of rounding errors. For each degree it has the largest absolute coefficient, up to that degree,
-  /// of the solution z(u) and of the remaining equations g(u), but at least 1. Rounding errors of
-  /// coefficients are proportional to it.
+  /// Sizes to which the rounding errors of coefficients are proportional, one for each degree. The size is
+  /// the largest absolute coefficient, up to that degree, of the polynomials z(u), which solve for the
+  /// unknowns, and of the equations g(u) = 0 that remain for coordinates u of the kernel of the derivative,
+  /// but at least 1.
   std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };

@@ -60,9 +60,10 @@ std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, cons
   return found;
 }
 
-/// The power series of solutions of h(s, v) = 0, the equations after a blow-up, at which ∂h/∂v is singular.
-/// They are solutions of the larger system h = 0, (∂h/∂v) λ = 0 with a vector λ near the kernel of ∂h/∂v at 0
-/// (D13.12).
+/// The power series of solutions of h(s, v) = 0 at which ∂h/∂v is singular. These equations are the result of
+/// a blow-up: u = s (e + B v) was substituted for the unknowns u, with the distance s along a direction e and
+/// the deviation v from it. The solutions also solve the larger system h = 0, (∂h/∂v) λ = 0 with a vector λ
+/// near the kernel of ∂h/∂v at 0 (D13.12).
 std::vector<Germ> deflated(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& h,
                            int depth) {
   const int d = ring.variables(), K = ring.degree() - 1;

@@ -152,10 +152,10 @@ void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
   for (BranchPoint& point : branch.points) point.x = unit.cwiseProduct(point.x);
 }
 
-/// Computes the conditions on velocities, the mobility of each order and the branches (smooth sets of
-/// configurations with closed loops), and searches for missed branches. `left` has the equations that remain
-/// after the elimination of all coordinates that the loop equations determine to first order; at least one
-/// coordinate must remain.
+/// Computes the conditions of degree 2 and higher that the loop equations put on velocities, the mobility of
+/// each order and the branches (smooth sets of configurations with closed loops). Then searches for closed
+/// configurations that lie on no branch. `left` has the equations that remain after the elimination of all
+/// coordinates that the loop equations determine to first order; at least one coordinate must remain.
 void find_branches(PolynomialRings& rings, const Closure& closure, const Elimination& left,
                    LocalMobility& found) {
   const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);

@@ -17,10 +17,10 @@ struct ClosureCoordinate {
 };
 
 struct LocalMobilityOptions {
-  /// The highest order K of the expansion of the loop equations. If it is 0, the order is chosen: 10, 9, 7, 7
-  /// and 5 if the velocities that the loops allow have the dimension 1, 2, 3, 4 and more. A lower order is
-  /// chosen if the computation would take too long, and up to 4 orders are added if the mobility is not
-  /// settled.
+  /// The highest order K of the power series of the loop equations. If it is 0, the order is chosen by the
+  /// dimension d of the velocities that the loops allow: 10 for d ≤ 1, 9 for d = 2, 7 for d = 3 and d = 4,
+  /// and 5 for larger d. A lower order is chosen if the computation would take too long, and up to 4 orders
+  /// are added if the result is not settled (see LocalMobility::settled).
   int order = 0;
   /// The characteristic length (m) by which lengths are divided, within a factor of 1e6 of the mean distance
   /// of two joints; 0 means this distance.
@@ -108,7 +108,8 @@ struct LocalMobility {
   int local_mobility = 0;    ///< largest dimension of a branch
   int rigid_at_order = 0;    ///< first order with mobility 0 if nothing moves; otherwise 0
   /// The polynomial conditions of degree 2 or more that the loop equations put on velocities, up to the order
-  /// of the expansion, sorted by degree. Their terms of lowest degree are independent.
+  /// K of the power series of the loop equations about q, sorted by degree. Their terms of lowest degree are
+  /// independent.
   std::vector<MobilityCondition> conditions;
   std::vector<MotionBranch> branches;
   MobilityProbe probe;
@@ -118,8 +119,10 @@ struct LocalMobility {
   bool cusp = false;                   ///< whether some branch is a cusp
   bool kinematic_singularity = false;  ///< whether on every branch the differential mobility is smaller
                                        ///< beside q than at q
-  /// Whether the loop equations allow velocities that belong to no finite motion. This is so at the points
-  /// near q of some smooth set of configurations through q, or at q if the mechanism cannot move.
+  /// Whether the loop equations allow velocities that belong to no finite motion. If the mechanism can move,
+  /// this is judged beside q: on each branch (a smooth set of configurations through q with closed loops), at
+  /// a point near q. `shaky` is true if such velocities exist there for any branch. If the mechanism cannot
+  /// move, this is judged at q.
   bool shaky = false;
   /// Whether the result is proved by ranks of matrices and roots of polynomials alone. It is if the loop
   /// equations are independent, if they allow no velocities, or if they allow velocities of dimension 1 or 2
@@ -149,8 +152,8 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 [[nodiscard]] LocalMobility local_mobility(const Model& model, std::span<const double> q,
                                            const LocalMobilityOptions& options = {});
 
-/// Returns the coordinates of the closure equations: the velocities of the joints in loops, followed by the
-/// degrees of freedom of the loop joints.
+/// Describes each coordinate of the closure equations by its name, velocity and unit. There is a coordinate
+/// for each velocity of the joints in loops, followed by one for each degree of freedom of the loop joints.
 std::vector<ClosureCoordinate> closure_coordinates(const Model& model);
 
 /// Computes, for each loop joint, the sum V of the joint twists on the way around its loop, and its time
