@@ -18,9 +18,10 @@ template <class T> class AXODE_ENTRY IndependentRows {
   using Matrix = Eigen::MatrixX<T>;
 
   /// Analyses the loop equations at the position or velocity level, at the present kinematics. With their
-  /// Jacobian A and the mass matrix LᵀD L of the spanning tree, an equation is redundant if its column of Y =
-  /// D^-½ L⁻ᵀ Aᵀ, minus the projection on earlier independent columns, has a norm of at most `part` times the
-  /// norm of the column, or times a lower limit if that is larger (D7.7).
+  /// Jacobian A and the mass matrix LᵀD L of the spanning tree, each equation has a column of Y = D^-½ L⁻ᵀ
+  /// Aᵀ. An equation is redundant if its column, minus the projection on earlier independent columns, has a
+  /// norm of at most `part` times the size of the equation. This size is the norm of its column, but not less
+  /// than a limit for rounding errors (D7.7).
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 

@@ -22,8 +22,10 @@ template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : 
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 /// A row needs no filter if its pivot is larger than this part of d², where d is the size of the row.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
-/// The size below which a row of the Jacobian of the loop equations consists of rounding errors, as a part of
-/// the lower limit of the row's size (D7.7). It is replaced by zeros, and its multiplier is then 0.
+/// A loop equation consists of rounding errors if the square root of its diagonal entry of A M⁻¹ Aᵀ is less
+/// than this part of its size (D7.7). A is the Jacobian of the loop equations, and M the mass matrix. The
+/// size is this root too, but not less than a limit that follows from the other equations and from the terms
+/// whose sum the equation is. Such an equation is replaced by zeros, and its multiplier is then 0.
 template <class T> constexpr T vanishing_part = is_float<T> ? T(1e-4) : T(1e-9);
 constexpr float size_of_a_row_of_zeros = 1e15f;
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);

@@ -88,12 +88,13 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Computes the least drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations
   /// A v = 0, such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. Drives act on the
   /// velocities with indices in `drives` or, if it is empty, on those of all joints that are not passive. A
-  /// must have been computed. Returns false without results if some motion has no drive, if λ is wanted and
-  /// not unique, or if rounding leaves a rank open.
+  /// must have been computed. Returns false without results if the mechanism can move while all drives are
+  /// locked, if λ is wanted and not unique, or if rounding leaves a rank open.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
-  /// The threshold below which an entry of the Jacobian of the loop equations may be a rounding error: 0.1,
-  /// or a tenth of the largest distance (m) of a loop joint from the first body on its path from the ground
-  /// if this is less than 1 m and not 0.
+  /// A scale by which eliminations judge the Jacobian of the loop equations: a pivot may be a rounding error
+  /// if it is small compared with this scale or with the largest entry. The scale is 0.1, or a tenth of the
+  /// largest distance (m) of a loop joint from the first body on its path from the ground if this distance is
+  /// less than 1 m and not 0.
   T considerable_entry() const noexcept;
   /// Computes the velocities v⁺ (nv) after an impact of the loops at q, A v⁺ = -e A v with the Jacobian A of
   /// the loop equations and the coefficient of restitution e, and the impulses of the equations (D7.12). With
@@ -106,8 +107,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// (D7.13).
   Solvability projection_step(const T* q, T* x, const RowRank& rank = {}) noexcept;
 
-  /// Determines which loop equations are redundant at a closed configuration q, and factorises the others
-  /// there. If the mass matrix of the spanning tree is singular, `rank` does not change.
+  /// Factorises the mass matrix of the spanning tree and the loop equations at a closed configuration q, and
+  /// writes to `rank` which equations are redundant. If the mass matrix is singular, `rank` keeps its
+  /// contents.
   Solvability determine_rank(const T* q, RowRank& rank) noexcept;
   /// Determines which of the rows A are redundant. The rows must be factorised already, see factorize_rows().
   void determine_rank(RowRank& rank) noexcept;
@@ -148,8 +150,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
   void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
-  /// Computes the rates A v of all loop equations (D6.6) from the joint velocities x (nv) and the twists X of
-  /// the bodies, each about the origin of the first body on the path from the ground to the body.
+  /// Computes the rates A x of all loop equations (D6.6), with their Jacobian A, for joint velocities x (nv).
+  /// X are the twists of the bodies at these velocities, each about the origin of the first body on the path
+  /// from the ground to the body.
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
   /// Adds the constraint forces of the loops for multipliers λ. Loop joints exert wrenches on the bodies,
   /// which are added to `on` and are about the origins of the root bodies (those on the ground). Couplings of
@@ -209,8 +212,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// The origins of the root bodies in the inertial frame, stored at the index of each root body.
   const Vec3<T>* root_origins() const { return origin_; }
 
-  /// The matrix Y = D^-½ L⁻ᵀ Aᵀ (nv × m, padded with zero columns) of the last factorisation, with the
-  /// Jacobian A of the m loop equations and the mass matrix LᵀD L of the spanning tree.
+  /// The matrix Y = D^-½ L⁻ᵀ Aᵀ of the last factorisation, with the Jacobian A of the m loop equations and
+  /// the mass matrix LᵀD L of the spanning tree. It is nv × m, followed by columns of zeros up to a multiple
+  /// of 8.
   const RowByRow& Y() const { return Y_; }
   /// The size of each loop equation, by which its rounding errors are judged: the square root of its diagonal
   /// entry of A M⁻¹ Aᵀ, but not less than a limit (D7.7). A is the Jacobian of the equations, and M the mass
@@ -239,7 +243,7 @@ template <class T> class AXODE_ENTRY LoopSystem {
   }
   /// Computes accelerations, and multipliers of the loop equations, by the fast articulated-body algorithm.
   /// Returns false, without results, if the model has couplings or coupled joints, if a pivot of the mass
-  /// matrix is too small, or if all equations of a loop are close to 0.
+  /// matrix is too small, or if the Jacobian of all equations of a loop is close to 0.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
