@@ -5,13 +5,15 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/scalar/instruction_set.hpp"
 
-/// Closed loops: a spanning tree with additional loop joints. A loop joint between bodies i and j leaves a
-/// subgroup of SE(3) free. Its constraint wrenches are the columns of W, which are reciprocal to this
-/// subgroup: for multipliers λ, the wrench W λ acts on body j and -W λ on body i. The loop equations
+/// Closed loops: a spanning tree with additional loop joints. The constraint wrenches of a loop joint
+/// between bodies i and j are the columns of W. They are reciprocal to the motions that the joint leaves
+/// free. For multipliers λ, the wrench W λ acts on body j and -W λ on body i. The loop equations
 ///   A v = 0,   A a + γ = 0,   A = Wᵀ (J_j - J_i)
-/// with the Jacobians J of the bodies and γ = A' v are the same in all representations. A loop joint has six
-/// equations minus the number of its degrees of freedom: first for couples about x and y, then for forces
-/// along x, y and z, in the frame of the joint on body j, whose z is the axis.
+/// with the Jacobians J of the bodies and γ = A' v are the same in all representations. A loop joint has
+/// six equations minus the number of its degrees of freedom. If its free motions form a subgroup of SE(3),
+/// the equations are in the order of the wrenches: couples about x, y and z, then forces along x, y and z,
+/// without the wrenches that the joint does not transmit. The axes are those of the joint's frame on body
+/// j, whose z is the axis of the joint.
 namespace axode {
 
 template <class T> class LoopSystem;

@@ -301,9 +301,11 @@ template <class T> class AXODE_ENTRY LoopSystem {
     F_j.f += F_i.f;
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
-  /// These functions compute entries of Y = D^-½ L⁻ᵀ Aᵀ (D7.6), where LᵀD L is the mass matrix of the
-  /// spanning tree and A the Jacobian of the loop equations: for one equation of a loop, for n of them, for n
-  /// of them with fast articulated bodies, and for all.
+  /// Each of these functions computes a part of Y = D^-½ L⁻ᵀ Aᵀ (D7.6), where LᵀD L is the mass matrix of
+  /// the spanning tree and A the Jacobian of the loop equations. pull_row() computes the column of Y for
+  /// one loop equation. pull_rows() computes the columns for n equations of one loop, and so does
+  /// pull_rows_fast() with the pivots of the fast kernel. pull_loop() computes the columns for all
+  /// equations of one loop.
   void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                 const Wrench<Spatial, T>& second) noexcept;
   template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;

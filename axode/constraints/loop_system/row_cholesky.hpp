@@ -25,13 +25,16 @@ template <class T> class RowCholesky {
     R_.setZero(m, room(m));
     inverse_.resize(m);
   }
-  /// The memory of the factorisation. Before factorize(), the caller writes to it the matrix on and above the
-  /// diagonal, and a right side b in column m. Afterwards it contains the factor R without its diagonal, and
-  /// D⁻¹ R⁻ᵀ b in column m.
+  /// The memory of the factorisation A = Rᵀ D R of a symmetric m × m matrix A, where R is upper triangular
+  /// with a unit diagonal and D is diagonal. Before factorize(), the caller writes to this memory A on and
+  /// above the diagonal, and a right side b in column m. Afterwards the memory contains R above the
+  /// diagonal, and D⁻¹ R⁻ᵀ b in column m; D is stored elsewhere.
   Matrix& matrix() { return R_; }
 
-  /// Factorises the m × m matrix, and replaces the right side b by D⁻¹ R⁻ᵀ b. Returns false, and leaves no
-  /// factorisation, as soon as the caller's function sound(k, D_k) returns false for a pivot D_k.
+  /// Factorises the symmetric m × m matrix A, which the caller has written to matrix(), as A = Rᵀ D R,
+  /// where R is upper triangular with a unit diagonal and D is diagonal. Replaces the right side b in
+  /// column m by D⁻¹ R⁻ᵀ b. Calls sound(k, D_k) for each pivot D_k. If it returns false, the function
+  /// returns false at once, and there is no factorisation.
   template <class Sound> bool factorize(Eigen::Index m, const Sound& sound) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       if (!sound(k, R_(k, k))) return false;

@@ -4,18 +4,20 @@
 #include "axode/lie/twist.hpp"
 #include "axode/scalar/dual.hpp"
 
-/// The interface of the types of loop joints. Their members are templates over the scalar. `at` has the
-/// frames of the joint on its first and second body, V_i and V_j are the twists of these bodies, and m is
-/// their motion:
+/// The interface of the types of loop joints. Their members are templates over the scalar. The argument
+/// `at` has the frames of the joint on its first body i and on its second body j. The argument m has the
+/// twists V_i and V_j of these bodies and the rates V'_i and V'_j of the twists. A is the Jacobian of the
+/// loop equations, r is the residual of the loop, and W are the constraint wrenches on the second body for
+/// unit multipliers:
 ///   rows(), residuals()            numbers of equations A v = 0 and of residuals r
 ///   residual(at, r)                computes r, which vanishes if the loop is closed
-///   wrenches(at, W)                computes W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)
+///   wrenches(at, W)                computes W, with A v = Wᵀ (V_j - V_i)
 /// The following members are optional:
 ///   residual_wrenches(at, R)       computes R with r' = Rᵀ (V_j - V_i); by default the first columns of W
 ///   wrench_rates(at, m, dW)        computes W' for moving bodies; by default W is evaluated on dual numbers
 ///   bias(at, W, m, gamma)          computes γ = Wᵀ (V'_j - V'_i) + W'ᵀ (V_j - V_i)
-/// A, γ and r are the same in all representations. For multipliers λ, the wrench W λ acts on the second body,
-/// and -W λ on the first body.
+/// A, γ and r are the same in all representations. For multipliers λ, the wrench W λ acts on the second
+/// body, and -W λ on the first body.
 namespace axode::loops {
 
 template <class T> using SpatialWrench = Wrench<Spatial, T>;

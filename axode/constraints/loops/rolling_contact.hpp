@@ -21,9 +21,10 @@ struct RollingContact {
     const Vec3<T> p = contact(at).p;
     for (const Vec3<T>* e : {&at.a.R.z, &at.a.R.x, &at.a.R.y}) *W++ = force_at(p, *e);
   }
-  /// Computes the time derivatives of the constraint wrenches. They are not 0, because the contact point
-  /// moves along the rim and along the plane. The rate d' of the direction d from the contact point to the
-  /// centre is given by (D6.9).
+  /// Computes the time derivatives of the constraint wrenches of a sphere or wheel that rolls on a plane.
+  /// They are not 0, because the contact point moves along the plane and along the surface of the sphere
+  /// or the rim of the wheel. (D6.9) gives the rate d' of the unit vector d from the contact point to the
+  /// centre of the sphere or wheel.
   template <class T>
   void wrench_rates(const LoopFrames<T>& at, const EndMotion<T>& m, SpatialWrench<T>* dW) const {
     const Vec3<T>&n = at.a.R.z, &k = at.b.R.z;
@@ -40,7 +41,8 @@ struct RollingContact {
   }
 
  private:
-  /// The point of contact p, the direction d from p to the centre, and the vector y, a multiple of d.
+  /// The contact point p, the unit vector d from p to the centre of the sphere or wheel, and y, the normal
+  /// of the plane without its component along the axis of a wheel. y is a multiple of d.
   template <class T> struct Contact { Vec3<T> d, p, y; };
   template <class T> Contact<T> contact(const LoopFrames<T>& at) const {
     const Vec3<T>&n = at.a.R.z, &k = at.b.R.z;

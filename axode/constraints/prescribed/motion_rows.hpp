@@ -30,12 +30,14 @@ class MotionRows {
   /// joint is prescribed, a coupling is added that has this joint as its only term.
   const Model& model() const { return model_; }
 
-  /// The motions' rows among the loop equations of model(), with their right sides at time t. The rows are
-  /// valid until the next call.
+  /// The loop equations of model() that impose the prescribed motions, with their right sides at time t
+  /// (s). They are valid until the next call.
   std::span<const PrescribedRow<double>> at(double t);
-  /// Sets the right sides of the motions' rows, in a system of model(), to their values at time t.
+  /// Sets the right sides of the loop equations that impose the prescribed motions, in a system of
+  /// model(), to their values at time t (s).
   void impose(double t, LoopSystem<double>& system) { system.prescribe(at(t)); }
-  /// Sets all right sides of the motions' rows to 0, so that the system computes responses to forces.
+  /// Sets the right sides of the loop equations that impose the prescribed motions to 0, so that the
+  /// system computes responses to forces.
   void release(LoopSystem<double>& system) const { system.prescribe({}); }
 
   /// The first time after t at which a derivative of a prescribed motion jumps; infinite if there is none.
