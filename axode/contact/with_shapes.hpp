@@ -5,13 +5,15 @@
 
 namespace axode {
 
-/// Numbers for the n collision shapes of a model: those of the ground first, then those of the bodies in the
-/// order of the description, as in ContactShapes. A span is empty, or has entries for all shapes.
+/// Coefficients of friction, restitutions and displacements of the n collision shapes of a model: those of
+/// the ground first, then those of the bodies in the order of the description, as in ContactShapes. A span
+/// has entries for all shapes, or is empty if the shapes keep their values.
 struct ShapeNumbers {
   std::span<const double> friction = {};     ///< n: coefficients of sliding friction
   std::span<const double> restitution = {};  ///< n
-  /// 6 n: displacements of each shape on its body (rad and m) along the unit screws of the frame of the
-  /// shape, angular before linear. The pose P of the shape becomes P exp(Σ π_u U_u).
+  /// Displacements of the shapes on their bodies: six numbers π_u for each shape (rad and m), along the
+  /// unit screws U_u of the frame of the shape, angular before linear. The pose P of the shape becomes P
+  /// exp(Σ π_u U_u).
   std::span<const double> placement = {};
 };
 

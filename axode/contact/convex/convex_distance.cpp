@@ -41,11 +41,13 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   return true;
 }
 
-/// Improves the normal n of candidate c by at most `rounds` proximal steps (D10.7). Each takes as its new
-/// normal the direction of the point of least norm in the difference of two cores, shifted along n. The cores
-/// are two convex bodies without the balls that round them, and their difference is the set of all b - a with
-/// points a and b of them. Stops before if a step brings no improvement, or if c solves the problem to
-/// rounding.
+/// Improves a candidate c for the distance of two cores (convex bodies without the balls that round them)
+/// by at most `rounds` proximal steps (D10.7). A candidate is a unit normal n, the width s of the gap
+/// between the cores along n, and a simplex: weighted points of the difference of the cores, which is the
+/// set of all b - a with points a and b of the two cores. A step shifts the difference along n by
+/// pair.step, or by pair.step - s if s is negative, so that it does not contain the origin. The direction
+/// of its point of least norm is the new normal. The function ends early if a step of full precision
+/// brings no improvement, or if the residual of c is a rounding error.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {
@@ -58,9 +60,10 @@ void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   }
 }
 
-/// Computes the distance of two cores (convex bodies without the balls that round them) that are apart, and
-/// sets the candidate c to it. The distance is the least norm of b - a for points a and b of the two cores.
-/// If the cores overlap, c does not change.
+/// Computes the least distance of two cores (convex bodies without the balls that round them) that are
+/// apart. The distance is the least norm of b - a for points a and b of the two cores. The candidate c
+/// receives the unit normal n along b - a, the width of the gap along n, and the points, unless it has
+/// better ones. If the cores overlap, c does not change.
 void approach(CorePair& pair, Candidate& c) noexcept {
   Candidate direct;
   direct.n = c.n;

@@ -12,9 +12,9 @@ struct ConvexDistance {
   double distance = 0;
   Vec3<> normal;            ///< unit vector n from body a to body b
   Vec3<> point_a, point_b;  ///< nearest (or deepest) points on the boundaries of a and b, m
-  /// The error of the nearest points: the norm of point_b - point_a - distance n with the normal n, m. If the
-  /// bodies are apart, or if `distance` is proved to be the greatest of all normals, the true distance is at
-  /// most `distance + residual`.
+  /// The error of the nearest points: the norm of point_b - point_a - distance n with the normal n, m. If
+  /// the bodies are apart, or if it is proved that no other normal has a wider gap than `distance`, the
+  /// true distance is at most `distance + residual`.
   double residual = 0;
   double core_overlap = 0;   ///< overlap of the cores along n, m; 0 if the cores are apart
   double overlap_bound = 0;  ///< proved lower bound of the overlap of the cores, m, see expand()

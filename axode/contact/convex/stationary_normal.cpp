@@ -31,9 +31,10 @@ bool solve(Equations& m, int size) noexcept {
   return true;
 }
 
-/// Newton's method for the normal along which the gap between two convex bodies has a stationary width. A
-/// body can be `frozen`: it is replaced by the polytope of those of its points that are in the simplex, and
-/// these do not change with the normal.
+/// Newton's method for the normal n along which the gap between two convex bodies has a stationary width
+/// s. It starts from a candidate: a normal, and a simplex of up to four points b - a, with points a and b
+/// of the two bodies, whose weighted sum is s n at the solution. A body can be `frozen`: it is replaced by
+/// the polytope of its points in the simplex, which do not change with the normal.
 class Newton {
  public:
   Newton(CorePair& pair, const Candidate& start, bool freeze_a, bool freeze_b)
@@ -67,8 +68,9 @@ class Newton {
   }
 
  private:
-  /// Adds a vertex with a weight to the simplex. Vertices on the same branches (smooth parts) of the support
-  /// functions of both bodies become one vertex, unless a body is frozen.
+  /// Adds a vertex with a weight to the simplex. If neither body is frozen (replaced by the polytope of
+  /// its known points), a vertex on the same branches (smooth parts) of the support functions of both
+  /// bodies as an older vertex is not added; its weight is added to that of the older vertex.
   void merge(const Vertex& v, double weight) noexcept {
     Simplex& x = now_.simplex;
     if (!freeze_a_ && !freeze_b_)
@@ -80,8 +82,10 @@ class Newton {
     x.add(v, weight);
   }
 
-  /// Moves the vertices of the simplex to their support points for the present normal n. Returns the least
-  /// height n·w of a vertex w.
+  /// Moves each vertex w = b - a of the simplex to the present normal n: on the branches (smooth parts) of
+  /// the bodies' support functions to which the vertex belongs, a becomes the support point for n, and b
+  /// that for -n. Points of a frozen body (replaced by the polytope of its known points) do not move.
+  /// Returns the least height n·w of a vertex.
   double move_vertices() noexcept {
     double level = infinity;
     const Vec3<> m = pair_.to_b(-now_.n);
@@ -95,8 +99,9 @@ class Newton {
     return level;
   }
 
-  /// Makes one Newton step (D10.9). A vertex whose weight is not positive leaves the simplex. Returns false
-  /// if the matrix is singular.
+  /// Makes one Newton step (D10.9) for the normal n, the weights λ_i of the vertices w_i of the simplex,
+  /// and the width s of the gap, with the equations Σ λ_i w_i = s n, n·w_i = s and Σ λ_i = 1 (D10.8).
+  /// Removes vertices whose new weight is not positive. Returns false if the matrix is singular.
   bool update() noexcept {
     const Simplex& x = now_.simplex;
     const int count = x.count, size = count + 3, s = size - 1;

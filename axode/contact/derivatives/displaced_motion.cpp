@@ -6,9 +6,10 @@ namespace {
 using Changes = DisplacedMotion::Changes;
 using Across = Eigen::Matrix<double, 3, 6>;
 
-/// The axes of a contact with six derivatives. Three are along the components of the normal from which the
-/// axes are made. If the axes are turned from those of an older normal, the other three are along the
-/// components of that older normal.
+/// The normal n and the tangents t1, t2 of a contact, with their derivatives by six variables. Variables 3
+/// to 5 are the components of n. If the tangents were chosen for an older normal, and then turned to be
+/// perpendicular to n, variables 0 to 2 are the components of the older normal; otherwise the axes do not
+/// depend on them.
 struct DisplacedFrame {
   Vec3<Displaced> n, t1, t2;
 };

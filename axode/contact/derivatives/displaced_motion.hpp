@@ -53,8 +53,10 @@ class DisplacedMotion {
 
   explicit DisplacedMotion(const Model& model);
 
-  /// Lets the geometric parameters of all bodies change by `geometry` (6 n × p, or empty) along the p
-  /// directions that begin with the direction `first` of later calls of run(), if these have as many.
+  /// Sets changes of the geometric parameters of all n bodies along p directions: `geometry` has 6 n × p
+  /// numbers, or is empty. In later calls of run() with k directions, they are the changes along the
+  /// directions `first` to `first` + p - 1. If k ≤ `first`, the call has no changes of geometric
+  /// parameters.
   void set_geometry(const Changes& geometry, Eigen::Index first);
   /// Computes the poses and twists of all bodies and their changes along (dq, dv), nv × k each.
   void run(const double* q, const double* v, const Changes& dq, const Changes& dv);
@@ -71,9 +73,10 @@ class DisplacedMotion {
   /// the axes along these directions.
   Changes row_velocities(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                          const FrameChanges& daxes, int rows, double* u);
-  /// Adds the changes of the generalised impulse Jᵀ λ of one contact to `out` (nv × k). λ are its impulses
-  /// along the axes (`rows` numbers), which are constant, and J is the Jacobian of the relative velocities
-  /// along the axes.
+  /// Adds to `out` (nv × k) the changes of the generalised impulse Jᵀ λ of one contact along the k
+  /// directions of run(). J is the Jacobian of the relative velocities along the axes of the contact, and
+  /// λ are the impulses along these axes (`rows` numbers), which are held constant. `change` and `daxes`
+  /// are the changes of the contact point and of the axes along the directions.
   void add_impulse_changes(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                            const FrameChanges& daxes, int rows, const double* lambda, Changes& out);
 

@@ -20,29 +20,33 @@ struct ParameterDirections {
   Eigen::Index count() const { return std::max({inertia.cols(), geometry.cols(), placement.cols()}); }
 };
 
-/// The displacements ξ = U dπ of all bodies by changes dπ (6 n × p) of their geometric parameters, without
-/// the displacements of their predecessors; 6 (n + 1) × p. The columns of U are the six unit screws of the
-/// frame that the body would have if its joint were at zero, about the point to which `at` refers the screws.
+/// The displacements ξ = U dπ of all n bodies by changes dπ (`geometry`, 6 n × p) of their geometric
+/// parameters along p directions, without the displacements of their predecessors; 6 (n + 1) × p. The
+/// columns of U are the six unit screws of the frame that the body would have if its joint were at zero. ξ
+/// and U are in inertial axes about the present origin of the body's root body, which is the body of its
+/// branch that is joined to the ground. `at` has the poses of the bodies at q.
 Eigen::MatrixXd geometric_displacements(const Tree<double>& tree, const SpatialTree<double>& at,
                                         const double* q, const Eigen::MatrixXd& geometry);
 
-/// The changes of the momenta M v, and of the forces of kinetic energy and gravity, if parameters of the
-/// mechanism change but not the state (q, v) (D11.36 to D11.38). An object is the scratch memory of one
-/// thread. Costs O(n p).
+/// The changes of the momenta M v, of the derivative ∂T/∂q of the kinetic energy T, and of the generalised
+/// forces of gravity, if parameters of the mechanism change along p directions but not the state (q, v)
+/// (D11.36 to D11.38). An object is the scratch memory of one thread. Costs O(n p) for n bodies.
 class ParameterChanges {
  public:
   using Changes = Eigen::MatrixXd;
 
   explicit ParameterChanges(const Model& model);
 
-  /// Computes the changes along the directions `along` at a state (q, v), nv × p each.
+  /// Computes the changes of momenta and forces along the p directions `along` at a state (q, v), nv × p
+  /// each.
   void run(const double* q, const double* v, const ParameterDirections& along);
 
   Changes momenta;  ///< of M v
   Changes forces;   ///< of ∂T/∂q, the derivative of the kinetic energy T at constant v
   Changes gravity;  ///< of the generalised forces of gravity
-  /// The changes of the mass of the subtree of a body (1 × p), and of its centre of mass in inertial axes (3
-  /// × p).
+  /// mass() is the change of the mass of the subtree of a body (1 × p, kg), and center() that of the
+  /// centre of mass of the subtree in inertial axes (3 × p, m), along the p directions of the last call of
+  /// run().
   Eigen::RowVectorXd mass(int body) const { return dm_.row(body); }
   Eigen::Matrix3Xd center(int body);
 

@@ -40,11 +40,12 @@ class ContactDynamics {
   explicit ContactDynamics(const Model& model, int contact_rows = 3, std::size_t capacity = 64);
 
   /// Computes the velocities v⁺ after a step of length h and the impulses λ at a state (q, v) with drive
-  /// forces tau. `start` has the impulses of all rows with which the solver starts, or is empty to start from
-  /// 0. Throws std::invalid_argument if an argument has another size or is not finite, if h is not positive
-  /// or the threshold is negative, or if a contact has no unit normal, a negative friction, a restitution
-  /// outside 0 to 1, or bodies that do not exist or are equal. Allocates nothing if there are not more
-  /// contacts than the capacity or than in an earlier call.
+  /// forces tau. `start` has the impulses of all rows with which the solver starts, or is empty to start
+  /// from 0. Throws std::invalid_argument if an argument has another size or is not finite, if h is not
+  /// positive, if the speed of approach below which nothing bounces (options.threshold) is negative, or if
+  /// a contact has no unit normal, a negative friction, a restitution outside 0 to 1, or bodies that do
+  /// not exist or are equal. Allocates nothing if there are not more contacts than the capacity or than in
+  /// an earlier call.
   ContactStatus solve(std::span<const double> q, std::span<const double> v, std::span<const double> tau,
                       std::span<const Contact> contacts, const Options& options,
                       std::span<const double> start = {}, const Loads<>& loads = {});
@@ -63,7 +64,8 @@ class ContactDynamics {
   std::span<const char> bounces() const {
     return bounces_;
   }  ///< whether each contact, then each active stop bounces
-  /// The sum of the impulses of all contacts on the ground, (moment; force) about the inertial origin.
+  /// The sum of the impulses that all contacts exert on the ground, (moment; force) about the inertial
+  /// origin.
   const Wrench<Spatial>& on_ground() const { return on_ground_; }
 
   /// The derivative ∂v⁺/∂τ of the velocities after the step by the drive forces, nv × nv. The step h, the

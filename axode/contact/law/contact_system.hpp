@@ -60,10 +60,11 @@ struct DryJoint {
 /// of the two bodies to the ground (D11.4). An object is the scratch memory of one thread.
 class ContactSystem {
  public:
-  /// Reserves memory for `capacity` contacts with `contact_rows` rows each: 3, or 4 with drilling friction,
-  /// or 6 with rolling friction. The stops are the hard stops of the model at finite limits. The dry joints
-  /// are the joints of one velocity with dry friction, or none if `dry_friction` is false. Joints that are
-  /// coupled to a leader have neither.
+  /// Reserves memory for the constraint rows of `capacity` contacts, and of all hard stops, joints with
+  /// dry friction and loops of the model. A contact has `contact_rows` rows: 3, or 4 with drilling
+  /// friction, or 6 with drilling and rolling friction. stops() has the hard stops at finite limits of
+  /// joints with one velocity. dry_joints() has the joints of one velocity with dry friction, or none if
+  /// `dry_friction` is false. A joint that is coupled to a leader is in neither list.
   explicit ContactSystem(const Model& model, int contact_rows = 3, std::size_t capacity = 64,
                          bool dry_friction = true);
 
@@ -71,8 +72,10 @@ class ContactSystem {
   int contact_rows() const { return contact_rows_; }
   std::span<const JointStop> stops() const { return stops_; }
   std::span<const DryJoint> dry_joints() const { return dry_; }
-  /// Prescribes positions and accelerations for some rows of the loops, for later openings and biases of the
-  /// loops (D12.1). prescribed() returns these rows.
+  /// Prescribes the right sides s, s' and s'' of some loop equations, for position, velocity and
+  /// acceleration (D12.1). In later calls, loop_openings() subtracts s from the position residuals of the
+  /// loops, and loop_bias() subtracts s'' from the biases of the loop equations. prescribed() returns
+  /// these right sides.
   void prescribe(std::span<const PrescribedRow<double>> rows) {
     prescribed_.assign(rows.begin(), rows.end());
     loops_.prescribe(rows);
@@ -103,9 +106,10 @@ class ContactSystem {
                   double stop_margin = std::numeric_limits<double>::infinity(),
                   const double* resistance = nullptr);
 
-  /// The problem to find the impulses of the constraint rows. Once the rows have been made, the caller writes
-  /// to it the terms r that are added to the velocities of the rows, and the motion w without impulses, and
-  /// completes it by its function finish().
+  /// The problem to find the impulses of the constraint rows. After set(), the caller writes to it the
+  /// terms r that are added to the velocities of the rows, and w = D^½ L v for the joint velocities v of
+  /// the motion without impulses, where Lᵀ D L is the mass matrix. Then the caller calls the function
+  /// finish() of the problem.
   VelocityProblem& problem() { return problem_; }
   const VelocityProblem& problem() const { return problem_; }
   std::span<const int> active_stops() const { return active_; }  ///< indices in stops()
@@ -141,8 +145,8 @@ class ContactSystem {
   /// Computes, for each row of the loops with the Jacobian A, the part of (A v)' that does not depend on
   /// joint accelerations, for the motion (q, v) of which the bias forces were computed last.
   void loop_bias(double* gamma) noexcept { loops_.bias(gamma); }
-  /// The impulse of the contacts on the ground, (moment; force) about the inertial origin, from the impulses
-  /// `lambda` of the rows of all contacts in physical units.
+  /// The sum of the impulses that all contacts exert on the ground, (moment; force) about the inertial
+  /// origin, from the impulses `lambda` of the rows of all contacts in physical units.
   Wrench<Spatial> on_ground(std::span<const Contact> contacts, const double* lambda) const noexcept;
 
  private:

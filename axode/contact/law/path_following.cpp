@@ -25,9 +25,9 @@ double VelocitySolver::path_residual(double sigma) noexcept {
   return velocity_residual(x_, f_);
 }
 
-/// For the path of solutions of contact problems whose compliance falls (D11.10a), with the equations f = 0
-/// of the path and their derivative f': writes the Newton step -f'⁻¹ f to dx_ and the unit tangent of the
-/// path (D11.10b) to next_.
+/// For the path of solutions f(x, σ) = 0 of contact problems whose compliance falls with σ (D11.10a), with
+/// the square matrix f' = ∂f/∂x: writes the Newton step -f'⁻¹ f at constant σ to dx_, and the unit tangent
+/// of the path (D11.10b) to next_.
 void VelocitySolver::linearize_path() noexcept {
   factorize_velocities(0);
   u_ = (z_ - lambda_0_).cwiseProduct(R_);

@@ -7,8 +7,9 @@ namespace axode {
 struct ProblemDerivative {
   Eigen::MatrixXd multipliers;  ///< dλ in scaled rows, rows × directions
   Eigen::MatrixXd motion;       ///< d(w + Y λ), nv × directions
-  /// Whether the motion has a derivative. It may have none if contacts that share a load slide, or if the
-  /// prescribed velocities r of redundant contacts change in contradictory ways.
+  /// Whether the motion has a derivative along the given directions. It may have none if contacts that
+  /// slide are redundant, so that the laws do not determine how they share a load, or if the prescribed
+  /// velocities r of redundant contacts change in contradictory ways.
   bool unique = true;
   /// Whether a contact, stop or joint with friction is within rounding of the boundary between two branches
   /// of its law, such as stick and slide. The derivative is then that of the branch that was taken.
@@ -17,10 +18,11 @@ struct ProblemDerivative {
 
 /// Differentiates the multipliers λ of constraint rows that solve a problem of contact (D11.11), along k
 /// changes of its data. The velocities of the rows are u = Yᵀ (w + Y λ) + r with the data w (the motion
-/// without impulses), Y (the scaled Jacobian) and r; friction rows are multiplied by their coefficients. dx
-/// (nv × k) has the changes dw + dY λ, and du (rows × k) the changes dYᵀ (w + Y λ) + dr. If contacts share a
-/// load, dλ is not unique; then the dλ with the least Σ d² dλ² is returned, where d² is about the diagonal
-/// entry of Yᵀ Y for a row. Allocates; O(rows³).
+/// without impulses), Y (the scaled Jacobian) and r; friction rows are multiplied by their coefficients.
+/// dx (nv × k) has the changes dw + dY λ, and du (rows × k) the changes dYᵀ (w + Y λ) + dr. If contacts
+/// are redundant, so that the laws do not determine how they share a load, dλ is not unique; then the dλ
+/// with the least Σ d² dλ² is returned, where d² is about the diagonal entry of Yᵀ Y for a row. Allocates;
+/// O(rows³).
 ProblemDerivative differentiate(const VelocityProblem& problem, const double* lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
@@ -31,16 +33,17 @@ struct LawDerivative {
   bool unique = true, at_kink = false;  ///< see ProblemDerivative
 };
 
-/// Differentiates multipliers λ that obey the laws of a problem if the velocities u of the rows depend on λ
-/// in any way. The laws are λ = resolve(z) with the trial impulse z = λ - u/d²: `resolve` maps a trial
-/// impulse to the impulse that the law allows, and d² is about the diagonal entry of the matrix J M⁻¹ Jᵀ for
-/// a row, with the Jacobian J of the rows and the mass matrix M. by_lambda (rows × rows) is ∂u/∂λ at constant
-/// data, and by_data (rows × directions) is the change of u along each direction at constant λ. The
-/// multipliers change by
+/// Differentiates multipliers λ that obey the laws of a problem if the velocities u of the rows depend on
+/// λ in any way. The laws are λ = resolve(z) with the trial impulse z = λ - u/d²: `resolve` maps a trial
+/// impulse to the impulse that the law allows, and d² is about the diagonal entry of the matrix J M⁻¹ Jᵀ
+/// for a row, with the Jacobian J of the rows and the mass matrix M. by_lambda (rows × rows) is ∂u/∂λ at
+/// constant data, and by_data (rows × directions) is the change of u along each direction at constant λ.
+/// The multipliers change by
 ///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data                                                 (D11.18)
-/// with the derivative Z of `resolve` at z. Friction rows are multiplied by their coefficients. `speed` is
-/// the size √(vᵀ M v) of the velocities of the mechanism, and `change` is that of their changes along the
-/// directions; rounding errors are judged by them. Allocates; O(rows³).
+/// with the derivative Z of `resolve` at z. In u, J and their changes, the rows of friction are multiplied
+/// by their coefficients of friction, so that the impulse of such a row is λ times its coefficient.
+/// `speed` is the size √(vᵀ M v) of the velocities of the mechanism, and `change` is that of their changes
+/// along the directions; rounding errors are judged by them. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,

@@ -122,8 +122,11 @@ template <class F> void SparseFactor::each_adjacent(int cluster, const F& f) noe
     for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1) f(64 * w + std::countr_zero(bits));
 }
 
-/// Chooses the order in which clusters are eliminated: the next one is always a cluster with the least number
-/// of adjacent clusters. For each cluster, bits say which clusters were adjacent when it was eliminated.
+/// Chooses the order in which clusters of matrix indices are eliminated. A cluster has the indices that
+/// occur in the same given groups, and two clusters are adjacent if the matrix, with its fill-in, has
+/// entries between them. The next cluster is always one with the least number of adjacent clusters that
+/// are not eliminated yet. For each cluster, bits of adjacent_ name these clusters at the time of its
+/// elimination.
 void SparseFactor::order_clusters() noexcept {
   words_ = clusters_ / 64 + 1;
   std::fill_n(adjacent_.begin(), clusters_ * words_, 0);
@@ -163,8 +166,10 @@ void SparseFactor::order_clusters() noexcept {
   }
 }
 
-/// Merges each cluster into the next one in the order of elimination in which its columns have entries, if
-/// the columns of both then have entries in the same rows below them and are not too many.
+/// Merges clusters of columns that can be eliminated together. Let d be the cluster that is eliminated
+/// first of those in whose rows the columns of cluster c have entries below c. Cluster c is merged into d
+/// if the columns of both have entries in the same rows below d, and if they are not more than
+/// most_columns in all.
 void SparseFactor::merge_clusters() noexcept {
   std::vector<int>& below = degree_;
   for (int c = 1; c < clusters_; ++c) {
@@ -306,8 +311,9 @@ void SparseFactor::factorize() noexcept {
   }
 }
 
-/// Gauss' elimination of the columns of a node, which are eliminated together: P D = L U in its square part,
-/// where P exchanges rows; then the rows of L below the square part, and the columns of U to the right of it.
+/// Gauss' elimination, with exchanges of rows, of the columns of a node, which are eliminated together. D
+/// is the square block of the matrix in the rows and columns of the node, and P a permutation: P D = L U.
+/// Then come the rows of L below this block, and the columns of U to the right of it.
 void SparseFactor::eliminate(const Node& node) noexcept {
   const int columns = node.columns, below = node.below.count, rows = columns + below;
   double* const L = values_.data() + node.L;
@@ -339,7 +345,7 @@ void SparseFactor::eliminate(const Node& node) noexcept {
   }
 }
 
-/// Cholesky's factorisation of the columns of a node.
+/// Cholesky's factorisation of the columns of a node, which are eliminated together.
 void SparseFactor::eliminate_symmetric(const Node& node) noexcept {
   const int columns = node.columns, rows = columns + node.below.count;
   for (int k = 0; k < columns; ++k) {

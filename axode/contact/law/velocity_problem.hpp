@@ -37,12 +37,13 @@ class VelocityProblem {
   /// Removes all constraint rows. Sets the number of compliant contacts, each of which adds an unknown
   /// velocity to those of the mechanism (D11.26).
   void clear(int compliances = 0);
-  /// Appends a block of constraint rows to the problem. The block acts on the velocities `support`, in
-  /// ascending order; with `compliant` the last of them is the additional unknown of a compliant contact.
-  /// Returns the block's part of Y = D^-½ L⁻ᵀ Jᵀ, column by column, with a row for each velocity in
-  /// `support`; J is the Jacobian of the rows, and Lᵀ D L the mass matrix. Before the next call, the caller
-  /// must write it, and set for each row the term r that is added to its velocity and its factor c (a
-  /// coefficient of friction or 1). Allocates where more is needed than was reserved.
+  /// Appends a block of constraint rows with the Jacobian J to the problem. `support` has the velocities
+  /// that the block moves, in ascending order; if `compliant`, the last of them is the additional unknown
+  /// of a compliant contact. Returns the memory for the block's part of Y = D^-½ L⁻ᵀ Jᵀ, where Lᵀ D L is
+  /// the mass matrix: a column for each row of the block, with a number for each velocity in `support`.
+  /// Before the next call, the caller must write the numbers of Y, and set for each row the term r that is
+  /// added to its velocity and its factor c (a coefficient of friction or 1). Allocates if more memory is
+  /// needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
   /// Sets the compliance C of a compliant block after finish(): its normal law is then for u + C λ, not u.
@@ -110,9 +111,11 @@ class VelocityProblem {
 /// Yᵀ Y: u/d² is then an impulse, and d times an impulse is a motion like Y λ. Rounding errors make the
 /// certificate 1e-12; it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes the certificate of multipliers λ of constraint rows, the relative error of the laws of contact,
-/// from the error of each row: `residual` has the difference between the multiplier λ and the one that the
-/// law allows for the row's velocity, and t = Y λ (nv() numbers) is the motion that the impulses add.
+/// Computes the certificate of multipliers λ of constraint rows, the relative error of the laws of
+/// contact, from the error of each row. `residual` has the difference between the multiplier λ and the one
+/// that the law allows for the row's velocity. The impulses change the joint velocities v by L⁻¹ D^-½ t
+/// with t = Y λ (nv() numbers) and Y = D^-½ L⁻ᵀ Jᵀ, where Lᵀ D L is the mass matrix and J the Jacobian of
+/// the rows.
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

@@ -80,30 +80,39 @@ class VelocitySolver {
   template <class Residual>
   bool search(const Vector& from, const Vector& direction, Vector& to, double& norm,
               const Residual& residual) noexcept;
-  /// Improves the multipliers λ by Newton's method on the law itself (D11.9) and returns their certificate,
-  /// the relative error of the laws. The iteration ends at the tolerance, or after more than `patience` steps
-  /// that do not halve the least certificate.
+  /// Improves the multipliers λ by Newton's method for the laws of contact λ = resolve(λ - u/d²), where u
+  /// are the velocities of the rows for λ, d² is the scale of a row, and `resolve` maps a trial impulse to
+  /// the impulse that the law allows (D11.9). Returns the certificate of λ, the relative error of the
+  /// laws. The iteration ends at the tolerance, or after more than `patience` steps that do not halve the
+  /// least certificate.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
-  /// Makes the matrix B of each block of rows for Newton's method. Z is the derivative, at the trial impulse
-  /// z_, of the map from a trial impulse to the impulse that the law of contact allows; R is a factor by
-  /// which velocities become impulses. B is Z/R if `kept` is 0; otherwise it is (1 - (1 - kept) Z)⁻¹ Z/R,
-  /// where `kept` is the ε of (D11.9). Returns whether all of these matrices are symmetric.
+  /// Makes the matrix B of each block of rows for Newton's method. Z is the derivative, at the trial
+  /// impulse z_, of the map `resolve` from a trial impulse to the impulse that the law of contact allows.
+  /// R is a factor by which velocities of rows are divided to become impulses. For a proximal step, λ =
+  /// resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and B = Z/R. For the laws themselves, λ = resolve(λ
+  /// - u/R), B = (1 - (1 - kept) Z)⁻¹ Z/R with a small number `kept` > 0, without which the inverse does
+  /// not exist if the block sticks, because then Z = 1 (D11.9). Returns whether the matrices of all blocks
+  /// are symmetric.
   bool make_matrices(double kept) noexcept;
   /// Factorises 1 + Y B Yᵀ for Newton's method in velocities; `symmetric` says that all B are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
-  /// Factorises the matrix of Newton's method whose unknowns are multipliers: 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y,
-  /// or 1 + Z R⁻¹ Yᵀ Y if `kept` is 0. Yᵀ Y is the Delassus operator. Z is the derivative of the map from a
-  /// trial impulse to the impulse that the law of contact allows, R is a factor by which velocities become
-  /// impulses, and `kept` is the ε of (D11.9).
+  /// Factorises the matrix of Newton's method whose unknowns are the multipliers λ. Z is the derivative of
+  /// the map `resolve` from a trial impulse to the impulse that the law of contact allows. R is a factor
+  /// by which velocities of rows are divided to become impulses, and Yᵀ Y is the Delassus operator. For a
+  /// proximal step, λ = resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and the matrix is 1 + Z R⁻¹ Yᵀ
+  /// Y. For the laws themselves, λ = resolve(λ - u/R), it is 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with a small
+  /// number `kept` > 0, which makes it regular if contacts are redundant (D11.9).
   void factorize_multipliers(double kept) noexcept;
   /// a := B a, block by block, with the matrices B of make_matrices().
   void multiply_blocks(Vector& a) const noexcept;
 
-  /// Runs the alternating direction method of multipliers from λ = 0 and writes the best multipliers to
-  /// `lambda`. If `on_laws`, each trial impulse is replaced by the impulse that the exact law allows.
-  /// Otherwise impulses are projected on the friction cones, and the tangential speed is added to the normal
+  /// Runs the alternating direction method of multipliers (D11.10) from λ = 0, and writes the multipliers
+  /// with the least certificate (the relative error of the laws) to `lambda`. Each iteration maps the
+  /// trial impulses of every block to impulses that its law allows. If `on_laws`, this map is resolve(),
+  /// with which the exact law between impulses λ and velocities u is λ = resolve(λ - u/R) for any R > 0.
+  /// Otherwise it is the projection on the friction cone, and the tangential speed is added to the normal
   /// velocity of each contact (De Saxcé's form of the law).
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;

@@ -16,8 +16,9 @@ template <class T> struct FacingFeatures {
 
 /// Clips the supporting feature (face or segment) of one body by that of the other, seen along n, and adds
 /// the corners of the part in which both lie (D10.12) as contact points. The gap of each corner is the
-/// distance of the two surfaces along n at this corner. Returns the least gap, or infinity if the features do
-/// not lie beside each other or have no corners.
+/// distance of the two surfaces along n at this corner. Returns the least gap. Returns infinity if the
+/// features do not overlap when seen along n, if two segments do not run side by side, or if a body has no
+/// feature.
 template <class T> double clip(const FacingFeatures<T>& features, PointList<T>& out) noexcept;
 
 }  // namespace axode

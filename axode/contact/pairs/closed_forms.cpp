@@ -111,8 +111,8 @@ template <class T> struct Axis {
   }
 };
 
-/// The parameter t, from -1 to 1, of the point center + t half of axis a that is nearest to axis b (Ericson,
-/// Real-Time Collision Detection, section 5.1.9).
+/// The parameter t, from -1 to 1, of that point of axis a which is nearest to axis b (Ericson, Real-Time
+/// Collision Detection, section 5.1.9). The points of axis a are a.center + t a.half.
 template <class T> T nearest_parameter(const Axis<T>& a, const Axis<T>& b) {
   const Vec3<T> r = a.center - b.center;
   const T aa = dot(a.half, a.half), ab = dot(a.half, b.half), bb = dot(b.half, b.half);
