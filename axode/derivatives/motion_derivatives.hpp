@@ -4,8 +4,9 @@
 
 namespace axode {
 
-/// Receives the derivatives of the twist V of a place, a frame or a point on a body, and of the time
-/// derivative V' of its components: one twist for each of nv directions. They must not overlap.
+/// Receives the derivatives by q and v of the twist V of a place, which is a frame or a point on a body,
+/// and of the time derivative V' of the components of V. Each of the four spans has nv twists, one for
+/// each direction of q or v. The spans must not overlap.
 template <class Rep, class T> struct MotionDerivatives {
   std::span<Twist<Rep, T>> V_q, V_v;  ///< ∂V/∂q and ∂V/∂v; ∂V/∂v is the Jacobian of the place, equal to
                                       ///< ∂V'/∂a
@@ -40,8 +41,8 @@ template <class Rep, class T> struct MotionWeights {
   Wrench<BodyFixed, T> X;
   Wrench<Rep, T> V, dV;
 };
-/// Receives the gradients, with respect to q, v and a (nv entries each), of a weighted sum of the components
-/// of the pose, the twist and the twist rate of a place. They must not overlap.
+/// Receives the gradients, with respect to q, v and a (nv entries each), of a weighted sum of the
+/// components of the pose, the twist and the twist rate of a place. The three spans must not overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
 /// Computes the gradient, with respect to q, v and a, of a weighted sum of the components of the displacement
 /// of a place (a frame or a point on a body), of its twist V and of V'. w has the weights. O(n). For several

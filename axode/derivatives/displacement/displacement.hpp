@@ -48,8 +48,9 @@ template <class T> struct CoriolisInertia {
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }
-  /// The derivative of the Coriolis inertia B when the bodies are displaced along the screw J together with
-  /// their velocities. See (D2.10) of docs/derivations.
+  /// The derivative of the Coriolis inertia B when the bodies are displaced along the screw J and the
+  /// velocities r' of their mass elements dm turn with them. B is the matrix with B X = 2 ∫ (r × (w × r');
+  /// w × r') dm for a twist X = (w; v), where r is the position of dm. See (D2.10) of docs/derivations.
   constexpr CoriolisInertia along(const Motion6<T>& J) const {
     const Vec3<T>& e = J.w;
     const T pv = dot(p, J.v);  // D' = e~ D - D e~ + p·v 1 - p vᵀ

@@ -9,9 +9,10 @@
 
 namespace axode {
 
-/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics by products of every joint screw with the joint screws
-/// of its subtree ((D1.17) of docs/derivations). It takes 67 products and sums for each such pair,
-/// and 78 in lanes.
+/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics by products of every joint screw with the joint
+/// screws of its subtree ((D1.17) of docs/derivations). It takes 67 products and sums for each such pair,
+/// or 78 in code with SIMD lanes, which computes ∂τ/∂a above and below its diagonal although it is
+/// symmetric.
 template <class T> struct FirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -47,8 +48,9 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// Computes, for each joint screw, the screws and wrenches from whose products the derivatives follow
-  /// (ScrewEffects), from the motion of the bodies in `screws`. `loaded` says whether there are loads.
+  /// Computes, for each joint screw, the screws and wrenches from whose products the derivatives of τ
+  /// follow (ScrewEffects), from the motion of the bodies in `screws`. `loaded` says whether there are
+  /// loads.
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -113,9 +115,10 @@ template <class T> struct FirstOrder {
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) by_v(c, c, T(tree.damping[static_cast<std::size_t>(c)]));
   }
 
-  /// Calls f(load, body, point, moment, force) for each load on a moving body: the load as it was given, its
-  /// body, its point, and the moment and the force. Vectors are in inertial axes, and the point is relative
-  /// to the origin of the root of the body.
+  /// Calls f(load, body, point, moment, force) for each load on a moving body: the load as it was given,
+  /// its body, its point, the moment about this point, and the force. Vectors are in inertial axes, and
+  /// the point is relative to the origin of the root body, which is the body of its branch that is joined
+  /// to the ground.
   template <class F>
   void each_load(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches, const F& f) const noexcept {
     for (const AppliedWrench<T>& given : wrenches) {
@@ -140,9 +143,13 @@ template <class T> struct FirstOrder {
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  /// Multiplies the screws and wrenches that belong to joint screw l (ScrewEffects) with those of the joint
-  /// screws from `begin` to `end` - 1. Writes five products for each pair to `line`; the derivatives are sums
-  /// of such products.
+  /// Writes to `line`, for joint screw l and each joint screw k from `begin` to `end` - 1, the five
+  /// numbers
+  ///   S_l|P_k,   S_l|R_k,   S_l|U_k,   U_k|ψ''_l + t_k·ω(ψ'_l),   U_k|σ_l + t_k·ω(S_l)
+  /// of which ∂τ/∂q, ∂τ/∂v and ∂τ/∂a consist (D1.17). A bar means the power of a wrench on a screw, and
+  /// ω(X) is the angular part of a screw X. ScrewEffects has the screws S, ψ', ψ'' and σ, the wrenches U,
+  /// P and R, and the moment t of each joint screw. If there are loads, the fourth number also contains
+  /// (Nᵀ S)_k|S_l with the load stiffness N.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them
@@ -160,8 +167,9 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// Calls by_q, by_v and by_a as f(component of τ, direction, part of the entry) with the products of
-  /// multiply() of which the entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a consist.
+  /// Calls by_q, by_v and by_a with (component of τ, direction, part of the entry) for the entries of
+  /// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a that can differ from 0, without armatures and damping. If several joints share
+  /// a velocity, an entry comes in several parts, which add up.
   template <class Real, class ByQ, class ByV, class ByA>
   void each_product(const Tree<Real>& tree, const Loads<T>& loads, const ByQ& by_q, const ByV& by_v,
                     const ByA& by_a) noexcept {
@@ -191,9 +199,12 @@ template <class T> struct FirstOrder {
   struct Entries {
     Number q, v, a;
   };
-  /// The entries of adjacent columns of the matrices for a tree without couplings. A row above the joint of a
-  /// column has the products of its screw with P, R and U of the column; a row of its subtree has the
-  /// products of its U and t with the screws of the column (D1.17).
+  /// Computes entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a in adjacent columns, one column in each SIMD lane, for a
+  /// tree without couplings (D1.17). If the joint of a row is before that of the column on a path from the
+  /// ground, above() multiplies the joint screw S of the row with the wrenches P, R and U of the column.
+  /// If it is the joint of the column or in its subtree, below() multiplies the wrench U and the moment t
+  /// of the row with the screws ψ', ψ'', σ and S of the column. ScrewEffects defines these screws and
+  /// wrenches.
   struct Columns {
     Arrays<T> effect, NtS;  // copies, so that the compiler knows that no result overwrites them
     Number screws[psi_2 + 12], psi_1_of[3], wrenches[18];
@@ -231,8 +242,8 @@ template <class T> struct FirstOrder {
     for (std::ptrdiff_t c = 0; c < tree->nv; ++c)
       dv[c * stride + c] += T(tree.damping[static_cast<std::size_t>(c)]);
   }
-  /// Writes the matrices of a tree without couplings, with `stride` numbers from row to row, and without
-  /// armatures. da may be null.
+  /// Writes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a, without armatures, to dq, dv and da for a tree without couplings. The
+  /// rows of each matrix are `stride` numbers apart. If da is null, ∂τ/∂a is not computed.
   template <class Real>
   void write_columns(const Tree<Real>& tree, const Loads<T>& loads, std::ptrdiff_t stride, T* dq, T* dv,
                      T* da) const noexcept {
@@ -246,8 +257,10 @@ template <class T> struct FirstOrder {
     }
     add_losses(tree, loads, stride, dv);
   }
-  /// Writes the columns c, c + 1, ... of the matrices, one in each lane. The columns after them must have
-  /// been written before, because lanes beyond the end of a row spill into the next row.
+  /// Writes the columns c, c + 1, ... of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a, one in each SIMD lane. All later columns
+  /// must have been written before. The reasons are that lanes beyond the end of a row overwrite the first
+  /// entries of the next row, and that code with one lane copies entries of the symmetric matrix ∂τ/∂a
+  /// from later columns.
   template <bool with_a>
   void write_columns(const Topology& topology, int c, bool loaded, std::ptrdiff_t stride, T* dq, T* dv,
                      T* da) const noexcept {

@@ -35,9 +35,10 @@ constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representat
 }
 
 /// The stiffness matrix N of loads (wrenches) that are constant in their representations: if a subtree is
-/// displaced along X, the wrench that balances its loads changes by N X, as seen in a frame that is displaced
-/// with the subtree ((D1.15) of docs/derivations). N = [[A, -b~], [-f~, 0]] has 15 numbers, which can be
-/// summed over loads.
+/// displaced along X, the wrench that balances its loads changes by N X, as seen in a frame that is
+/// displaced with the subtree ((D1.15) of docs/derivations). N = [[A, -b~], [-f~, 0]] has a 3 × 3 matrix A
+/// and two vectors: f is the sum of the forces of all loads that are not body-fixed, and b the sum of the
+/// forces of spatial loads. The 15 numbers can be summed over loads.
 template <class T> struct LoadStiffness {
   Mat3<T> A;
   Vec3<T> b, f;

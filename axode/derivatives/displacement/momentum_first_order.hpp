@@ -4,10 +4,11 @@
 
 namespace axode {
 
-/// The screws and wrenches of one joint screw S from whose products with those of another joint screw the
-/// derivatives of the momenta M v, and of their rates p', follow ((D5.3) and (D5.4) of docs/derivations).
-/// With the twists V_p of the predecessor and V of the body, and the inertia M and the momentum Π of the
-/// subtree, they are ψ = [V_p, S], η = [V, S], U = M S, D = M ψ - ad_Sᵀ Π and A = M η - ad_Sᵀ Π.
+/// The screws and wrenches that belong to one joint screw S. The derivatives of the generalised momenta p,
+/// and of their rates p', are sums of powers of a wrench that belongs to one joint screw on a screw that
+/// belongs to another ((D5.3) and (D5.4) of docs/derivations). With the twists V_p of the predecessor and
+/// V of the body, and the inertia M and the momentum Π of the subtree, the screws are S, ψ = [V_p, S] and
+/// η = [V, S], and the wrenches are U = M S, D = M ψ - ad_Sᵀ Π and A = M η - ad_Sᵀ Π.
 template <class T> struct MomentumEffects {
   Motion6<T> S, psi,
       eta;  ///< ψ = [V_p, S] with the twist of the predecessor, η = [V, S] with that of the body
@@ -15,8 +16,8 @@ template <class T> struct MomentumEffects {
 
   static constexpr int size = 36;  ///< number of numbers
 
-  /// Computes all members for a joint screw S. M and Pi are the inertia and the momentum of its subtree, V_p
-  /// is the twist of the predecessor and V that of the body.
+  /// Computes the screws psi and eta and the wrenches U, D and A for a joint screw S. M and Pi are the
+  /// inertia and the momentum of its subtree, V_p is the twist of the predecessor and V that of the body.
   static constexpr MomentumEffects of(const Inertia<T>& M, const Wrench<Spatial, T>& Pi, const Motion6<T>& S,
                                       const Motion6<T>& V_p, const Motion6<T>& V) {
     const auto times_M = [&](const Motion6<T>& X) {
@@ -111,10 +112,10 @@ template <class T> struct MomentumFirstOrder {
       for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
   }
 
-  /// Computes, for all joint screws, the screws and wrenches from whose products the derivatives follow
-  /// (MomentumEffects). For this, `screws` evaluates a motion at rest without gravity whose accelerations are
-  /// v: its twist rates are the twists J v, with the Jacobian J of the bodies, and its wrenches are the
-  /// momenta M J v, with their inertias M.
+  /// Computes, for all joint screws, the screws and wrenches from whose products the derivatives of the
+  /// momenta and of their rates follow (MomentumEffects). For this, `screws` evaluates a motion at rest
+  /// without gravity whose accelerations are v: its twist rates are the twists J v, with the Jacobians J
+  /// of the bodies, and its wrenches are the momenta M J v, with the inertias M of the bodies.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
@@ -136,9 +137,10 @@ template <class T> struct MomentumFirstOrder {
   /// Offsets of the members of MomentumEffects in its array of numbers.
   enum Part { S = 0, psi = 6, eta = 12, U = 18, D = 24, A = 30 };
 
-  /// Multiplies the screws and wrenches that belong to joint screw l (MomentumEffects) with those of the
-  /// joint screws from `begin` to `end` - 1. Writes six products for each pair to `line`; the derivatives are
-  /// sums of such products.
+  /// Writes to `line`, for joint screw l and each joint screw k from `begin` to `end` - 1, the six powers
+  ///   S_l|D_k,   η_l|D_k,   η_l|U_k,   ψ_l|U_k,   ψ_l|A_k,   S_l|A_k
+  /// of which the derivatives of the momenta and of their rates consist (D5.4). MomentumEffects has the
+  /// screws S, ψ and η and the wrenches U, D and A of each joint screw.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);

@@ -45,13 +45,13 @@ template <class T> struct MovingInertia {
   }
 };
 
-/// The screws and wrenches of one joint screw S that are needed for the derivatives of τ: these are sums of
-/// products of a screw of one joint screw with a wrench of another ((D1.16) and (D1.17) of docs/derivations).
-/// With the inertia M, the Coriolis inertia B and the wrench F of the subtree, and the twist V of the body,
-/// they are
-///   σ = ψ' + [V, S],   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F,   R = M σ + B S,
-/// the moment t of the wrench Bᵀ S, and the time derivatives ψ' and ψ'' of S as a screw that is fixed to the
-/// predecessor.
+/// The screws and wrenches that belong to one joint screw S. The derivatives of τ are sums of powers of a
+/// wrench that belongs to one joint screw on a screw that belongs to another ((D1.16) and (D1.17) of
+/// docs/derivations). The screws are S, its first two time derivatives ψ' and ψ'' as a screw that is fixed
+/// to the predecessor, and σ. The wrenches are U, P, R and Bᵀ S, which consists of a moment t alone:
+///   σ = ψ' + [V, S],   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F,   R = M σ + B S.
+/// V is the twist of the body; M, B and F are the inertia, the Coriolis inertia and the wrench of the
+/// subtree.
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;
@@ -59,8 +59,10 @@ template <class T> struct ScrewEffects {
 
   static constexpr int size = 42;  ///< number of numbers
 
-  /// Computes all members for a joint screw S, except the part of P due to loads. `moved` is the sum over the
-  /// subtree, V_p and dV_p are the twist of the predecessor and its rate, and V is the twist of the body.
+  /// Computes the screws ψ', ψ'' and σ, the wrenches U, P and R, and the moment t for a joint screw S,
+  /// with P = M ψ'' + B ψ' - ad_Sᵀ F, to which loads later add N S with their stiffness N. `moved` has the
+  /// inertia M, the Coriolis inertia B and the wrench F, summed over the subtree. V_p and dV_p are the
+  /// twist of the predecessor and its rate, and V is the twist of the body.
   [[gnu::always_inline]] static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S,
                                                           const Motion6<T>& V_p, const Motion6<T>& dV_p,
                                                           const Motion6<T>& V) {
@@ -81,14 +83,14 @@ template <class T> struct ScrewEffects {
   }
 };
 
-/// Stores the six-vectors (a; b), one in each SIMD lane, as components k to k + 5 of entry i and those after
-/// it.
+/// Stores the six-vectors (a; b), one in each SIMD lane, in arrays with one array for each component: the
+/// vector in lane l becomes components k to k + 5 of entry i + l.
 template <class Number, class T>
 void store6(const Vec3<Number>& a, const Vec3<Number>& b, const Arrays<T>& to, int k, int i) {
   to.store3(a, k, i);
   to.store3(b, k + 3, i);
 }
-/// Loads the six-vectors from entry i on, one in each SIMD lane.
+/// Loads the six-vectors of the entries i, i + 1, ..., one in each SIMD lane.
 template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, int i) {
   return {x.load3(0, i), x.load3(3, i)};
 }
@@ -97,10 +99,10 @@ template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, 
 /// the body that the joint moves.
 template <class T> struct MovingColumn { Motion6<T> S, V_p, dV_p, V; };
 
-/// The joint screws of a moving tree, and the quantities on which displacements along them depend, in
-/// inertial axes about the origins of the roots at this instant. A column is one joint screw; columns of a
-/// subtree are adjacent. The screw of a coupled joint is for a unit velocity of its leader. Takes about 650
-/// products and sums for a hinge.
+/// The joint screws of a moving tree, and the motions, inertias and wrenches from which derivatives along
+/// these screws follow, in inertial axes about the present origin of the root body of each branch. A
+/// column is one joint screw; columns of a subtree are adjacent. The screw of a coupled joint is for a
+/// unit velocity of its leader. Takes about 650 products and sums for a hinge.
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -198,7 +200,8 @@ template <class T> struct MovingScrews {
     };
     return {six_of(OfColumn::S), six_of(OfColumn::V_p), six_of(OfColumn::dV_p), six_of(OfColumn::V)};
   }
-  /// The rates of the twists of the bodies that the columns from c on, of `n_columns`, move.
+  /// The rates of the twists of the bodies that the joint screws c, c + 1, ... move, one in each SIMD
+  /// lane. Lanes beyond the last of all `n_columns` joint screws repeat the last one.
   Motion6<Number> twist_rates_of_columns(int c, int n_columns) const {
     typename NumberRows<T, 32>::Components x;
     bodies.load([&](int l) { return body_of[std::min(c + l, n_columns - 1)]; }, x);
@@ -208,13 +211,14 @@ template <class T> struct MovingScrews {
   MovingInertia<Number> bodies_from(int i) const {
     return in_lanes([i](int l) { return i + l; });
   }
-  /// MovingInertia of the subtrees of the joint screws from c on, one in each SIMD lane, after compose().
-  /// Lanes beyond the last column, of `n_columns`, repeat it.
+  /// The inertia, the Coriolis inertia and the wrench of the subtrees that the joint screws c, c + 1, ...
+  /// move, one subtree in each SIMD lane. compose() must have summed them over the subtrees before. Lanes
+  /// beyond the last of all `n_columns` joint screws repeat the last one.
   [[gnu::always_inline]] MovingInertia<Number> subtrees_of_columns(int c, int n_columns) const {
     return in_lanes([&](int l) { return body_of[std::min(c + l, n_columns - 1)]; });
   }
   MovingInertia<T> subtree_of_column(int c) const { return MovingInertia<T>::from(moved.row(body_of[c])); }
-  /// The pose of body i in inertial axes, relative to the origin of its root.
+  /// The pose of body i in inertial axes, relative to the origin of the root body of its branch.
   SE3<T> pose(int i) const {
     return {{bodies.get3(i, OfBody::R_x), bodies.get3(i, OfBody::R_y), bodies.get3(i, OfBody::R_z)},
             bodies.get3(i, OfBody::r)};
@@ -224,9 +228,10 @@ template <class T> struct MovingScrews {
   Motion6<T> screw(int c) const { return six(c, OfColumn::S); }
 
  private:
-  /// The motion `next` after a joint screw (e; s) in column c has been added, by its velocity dq and its
-  /// acceleration ddq, to the motion of the predecessor p and that of the screws of the joint before: V += S
-  /// dq and V' += S ddq + [V_p, S] dq.
+  /// Adds a joint screw S = (e; s) to a motion. p is the motion of the predecessor, with the twist V_p,
+  /// and `before` is this motion together with the earlier screws of the same joint. With the velocity dq
+  /// and the acceleration ddq of S, returns V = V_before + S dq and V' = V'_before + S ddq + [V_p, S] dq.
+  /// Stores S and p in column c.
   [[gnu::always_inline]] SpatialMotion moved_by(int c, const Vector& e, const Vector& s,
                                                 const SpatialMotion& p, const SpatialMotion& before,
                                                 const T& dq, const T& ddq) const noexcept {

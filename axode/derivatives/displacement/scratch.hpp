@@ -109,8 +109,8 @@ template <class T> struct CarryingScrews {
 };
 
 /// The joint screws that move the two ends of a spring, or of a segment of a spring over several points,
-/// relative to each other. For each of these screws, it also has the derivatives of the spring's coordinate
-/// and of its rate by the position of the joint.
+/// relative to each other, and the derivatives of the spring's coordinate and of its rate by the positions
+/// of these joints.
 template <class T> struct SpringColumns {
   struct Column {
     int end, body, c;  ///< index of the end, of the body and of the velocity

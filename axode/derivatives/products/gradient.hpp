@@ -93,9 +93,10 @@ template <class G, class T> struct InverseDynamicsGradient {
     }
   }
 
-  /// Subtracts a load W from the wrench of body i. n is the gradient, with respect to a displacement of the
-  /// body, of the power of W along the twist Λ that the body would have if the joints moved with the weights
-  /// λ of the forces as velocities.
+  /// Subtracts a load W from the wrench of body i, and n from the wrench n of this body in (D1.21). Let Λ
+  /// be the twist that the body would have if the joints moved with the weights λ of λ·τ as velocities.
+  /// The argument n is the gradient of the power W | Λ with respect to a displacement of the body, by
+  /// which W changes but not Λ.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);

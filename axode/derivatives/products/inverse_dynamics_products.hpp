@@ -83,10 +83,11 @@ template <class T> struct InverseDynamicsVjp {
     gradient.backward(tree, v, a, lambda, by_q, by_v, by_a);
   }
 
-  /// Calls f(i, u, derivative) for all geometric parameters: body i and unit screw u. The parameter displaces
-  /// the subtree of body i along the unit screw, before its joint moves, and `derivative` is the derivative
-  /// by it of λ·τ, the sum of the forces τ of inverse dynamics with weights λ. The gradient of λ·τ by q, v
-  /// and a must have been computed before, by run().
+  /// Calls f(i, u, derivative) for all geometric parameters: body i and index u of a unit screw U. The
+  /// parameter π displaces the body and its joint along U: C_i = C_p B_i exp(U π) exp(X_i q_i) with the
+  /// pose C_p of the predecessor, the pose B_i relative to it at q_i = 0, and the joint screws X_i.
+  /// `derivative` is the derivative by π of λ·τ, the sum of the forces τ of inverse dynamics with weights
+  /// λ. run() must have computed the gradient of λ·τ by q, v and a before.
   template <class F>
   void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
                       const F& f) const noexcept {

@@ -6,9 +6,10 @@
 /// The recursions for τ, τ' and τ'' in spatial and in mixed twists.
 namespace axode {
 
-/// The recursion in spatial twists ((D3.15) and (D3.16) of docs/derivations), about a point that is fixed and
-/// at which the origin of the root body (the body of its branch on the ground) is. Wrenches are summed up as
-/// they are.
+/// The recursion for τ, τ' and τ'' in spatial twists ((D3.15) and (D3.16) of docs/derivations). Twists and
+/// wrenches are in inertial axes about a fixed point, which is the present origin of the root body of the
+/// branch (the body that is joined to the ground). The wrenches of bodies are added without a change of
+/// this point.
 template <class T> struct SecondOrderRecursion<Spatial, T> {
   using V6 = Twist<Spatial, T>;
   using W6 = Wrench<Spatial, T>;
@@ -90,9 +91,9 @@ template <class T> struct SecondOrderRecursion<Spatial, T> {
   }
 };
 
-/// The recursion in mixed twists and wrenches ((D3.17) to (D3.19) of docs/derivations): the components of
-/// angular velocities and couples are differentiated in axes that turn, and those of velocities and forces in
-/// inertial ones.
+/// The recursion for τ, τ' and τ'' in mixed twists and wrenches ((D3.17) to (D3.19) of docs/derivations).
+/// The components of angular velocities and couples are in body axes, which turn, and those of velocities
+/// and forces in inertial axes. The recursion has the time derivatives of these components.
 template <class T> struct SecondOrderRecursion<Mixed, T> {
   using V6 = Twist<Mixed, T>;
   using W6 = Wrench<Mixed, T>;
@@ -167,8 +168,9 @@ template <class T> struct SecondOrderRecursion<Mixed, T> {
   }
 
  private:
-  /// Components x, x', ... of a vector in axes that turn with ω give those of its time derivative, x' + ω × x
-  /// and its derivatives.
+  /// Let x be the components of a vector in axes that turn with the angular velocity ω. The components of
+  /// the time derivative of the vector are D x = x' + ω × x. Computes D x and its derivatives (D x)', (D
+  /// x)'', ... from x, x', ... and ω, ω', ....
   template <std::size_t m, std::size_t n>
   static std::array<Vector, n - 1> rate(const std::array<Vector, m>& w, const std::array<Vector, n>& x) {
     std::array<Vector, n - 1> out;
@@ -182,8 +184,10 @@ template <class T> struct SecondOrderRecursion<Mixed, T> {
     }
     return out;
   }
-  /// The force of each wrench, and its first two derivatives, by components in the axes R with the angular
-  /// velocities of V.
+  /// The components Rᵀ f of a force f in turning axes R, and their first two time derivatives (D3.19). F
+  /// has a wrench with the force f in inertial axes and the first two time derivatives of this wrench. V
+  /// has a twist, whose angular part is the angular velocity of the axes R in these axes, and the time
+  /// derivatives of this twist.
   static std::array<Vector, 3> in_axes(const SO3<T>& R, const V6* V, const W6* F) {
     const SO3<T> Rt = transpose(R);
     const Vector turned = Rt * F[1].f, x = Rt * F[0].f, x_1 = turned - cross(V[0].w, x);

@@ -3,9 +3,10 @@
 #include "axode/recursion/solvability.hpp"
 
 /// Second derivatives of every component of τ or a, without loads. A tensor has nv × nv × nv numbers,
-/// [component][outer derivative][inner derivative]; of the two displacements of a joint with several
-/// velocities, the outer one comes first. If only a weighted sum of the components is needed, the functions
-/// in hessian.hpp are faster. No allocation. Results must not overlap.
+/// [component][outer derivative][inner derivative]. For the outer direction k and the inner direction l of
+/// q they are derivatives of a function of q ⊕ ε_k e_k ⊕ ε_l e_l: if k and l belong to one joint with
+/// several velocities, q is displaced along k first, and then along l. If only a weighted sum of the
+/// components is needed, the functions in hessian.hpp are faster. No allocation. Results must not overlap.
 namespace axode {
 
 /// Receives the second derivatives of τ of inverse dynamics along the pairs of directions (q, q), (q, v), (v,

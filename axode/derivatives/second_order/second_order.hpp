@@ -4,10 +4,11 @@
 
 namespace axode {
 
-/// The wrench A = M Λ, the moment H of Bᵀ Λ, and the matrix D of the Coriolis inertia for the twist Λ, of a
-/// body with the inertia M and the Coriolis inertia B. Λ is the twist that the body would have if the joints
-/// moved with given weights λ as velocities. The derivatives of the gradient of λ·τ, with the forces τ of
-/// inverse dynamics, follow from sums of these quantities over subtrees ((D1.21) and (D2.2) of
+/// Quantities of a body with the inertia M and the Coriolis inertia B, for the twist Λ that it would have
+/// if the joints moved with given weights λ as velocities: the wrench A = M Λ, the moment H of the wrench
+/// Bᵀ Λ, which has no force, and the 3 × 3 block D of the Coriolis inertia 2 [[D, 0], [-p~, 0]] that the
+/// body would have with the twist Λ instead of its own. The derivatives of the gradient of λ·τ, with the
+/// forces τ of inverse dynamics, follow from sums of these quantities over subtrees ((D1.21) and (D2.2) of
 /// docs/derivations).
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
@@ -34,11 +35,12 @@ template <class T> struct VirtualMomentum {
   constexpr CoriolisInertia<T> B() const { return {D, A.f}; }
 };
 
-/// The screws and wrenches of one joint screw from whose products with those of another joint screw all
-/// second derivatives of λ·τ follow, for the forces τ of inverse dynamics and constant weights λ, in addition
-/// to those that give the first derivatives ((D2.7) and (D2.8) of docs/derivations). `chi` is the bracket
-/// [Λ_p, S] of the joint screw S with the twist Λ_p that the predecessor would have if the joints moved with
-/// the weights λ as velocities, and `psi_1` is [V_p, S] with its twist V_p.
+/// The screws and wrenches that belong to one joint screw S and are needed for second derivatives of λ·τ,
+/// with the forces τ of inverse dynamics and constant weights λ, in addition to ScrewEffects. The second
+/// derivatives are sums of powers of a wrench that belongs to one joint screw on a screw that belongs to
+/// another ((D2.7) and (D2.8) of docs/derivations). `chi` is the bracket [Λ_p, S], and `psi_1` is [V_p,
+/// S]. V_p is the twist of the predecessor, and Λ_p the twist that it would have if the joints moved with
+/// the weights λ as velocities.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
   Wrench<Spatial, T> X, Y, Z;
@@ -46,9 +48,10 @@ template <class T> struct ScrewCurvature {
 
   static constexpr int size = 42;  ///< number of numbers of all members, and of a wrench Q due to loads
 
-  /// Computes all members for a joint screw S. `moved` and `momentum` are sums over the subtree, V_p is the
-  /// twist of the predecessor, and Lambda_p the twist that it would have if the joints moved with the
-  /// velocities λ.
+  /// Computes the screws chi and psi_1 and the wrenches X, Y, Z and AS for a joint screw S. `moved` has
+  /// the inertia, the Coriolis inertia and the wrench of the subtree, and `momentum` has the sums of
+  /// VirtualMomentum over the subtree. V_p is the twist of the predecessor, and Lambda_p the twist that it
+  /// would have if the joints moved with the weights λ as velocities.
   [[gnu::always_inline]] static constexpr ScrewCurvature of(const MovingInertia<T>& moved,
                                                             const VirtualMomentum<T>& momentum,
                                                             const Motion6<T>& S, const Motion6<T>& V_p,
@@ -63,10 +66,12 @@ template <class T> struct ScrewCurvature {
   }
 };
 
-/// Receives second derivatives along the pairs of directions (q, q), (q, v), (v, v) and a fourth pair, which
-/// is (a, q) for inverse and (τ, q) for forward dynamics: nv × nv numbers each, [outer derivative][inner
-/// derivative]. qq is symmetric, except within joints of several velocities, where the outer displacement
-/// comes first.
+/// Receives the second derivatives of a weighted sum of the forces of inverse dynamics or of the
+/// accelerations of forward dynamics. They are along the pairs of directions (q, q), (q, v), (v, v) and a
+/// fourth pair, which is (a, q) for inverse and (τ, q) for forward dynamics: nv × nv numbers each, [outer
+/// derivative][inner derivative]. qq is symmetric, except for two directions k (outer) and l (inner) of
+/// one joint with several velocities: its entry belongs to q ⊕ ε_k e_k ⊕ ε_l e_l, where q is displaced
+/// along k first, and then along l.
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
 /// Computes the second partial derivatives of λ·τ, the sum of the forces τ of inverse dynamics with constant
@@ -167,9 +172,10 @@ template <class T> struct SecondOrder {
     Lambda.load(i, x);
     return {Lambda.vector(x, 0), Lambda.vector(x, 4)};
   }
-  /// Computes for each body the matrix K of the second derivatives, with the opposite sign, of the power of
-  /// its loads along the twist Λ that it would have if the joints moved with the velocities λ, when the body
-  /// is displaced twice.
+  /// Computes for each body the matrix K that loads add to the second derivatives of λ·τ (D2.8). For two
+  /// screws X and Y, X | K Y is the sum of -Λ | L(Y) L(X) W over the loads W on the body, where L(X) W is
+  /// the change of a load when its body is displaced along X, see load_change(). Λ is the twist that the
+  /// body would have if the joints moved with the weights λ as velocities.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
@@ -221,17 +227,18 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// The number to subtract, for two screws l and k of one joint, from the second derivative by their
-  /// velocities that the formula for screws of two different joints gives. Within one joint the velocity of
-  /// one screw does not change the twist of the predecessor of the other, so that one bracket less occurs:
-  /// S_l | -ad_{S_k}ᵀ A, where A is the sum over the subtree of M Λ, the inertia times the twist of a body
-  /// for joint velocities equal to the weights λ.
+  /// The number to subtract, for two screws S_l and S_k of one joint, from the second derivative of λ·τ by
+  /// their velocities as the formula for screws of two different joints gives it (D2.8). The formula has
+  /// one bracket too many, because the velocity along S_l does not change the twist of the predecessor of
+  /// the joint. The number is the power of the wrench -ad_{S_k}ᵀ A on S_l. A is the sum of M Λ over the
+  /// subtree, where M is the inertia of a body and Λ the twist that it would have if the joints moved with
+  /// the weights λ as velocities.
   T own_bracket(int l, int k) const {
     return Wrench<Spatial, T>{curvature.get3(AS, k), curvature.get3(AS + 3, k)} | first.screws.screw(l);
   }
-  /// Multiplies the screws and wrenches that belong to joint screw l (ScrewEffects and ScrewCurvature) with
-  /// those of the joint screws from `begin` to `end` - 1, and writes the products to `line`, in six arrays.
-  /// Second derivatives are sums of them.
+  /// Writes to `line`, for joint screw l and each joint screw k from `begin` to `end` - 1, six sums of
+  /// powers of wrenches of k on screws of l, of which the second derivatives of λ·τ consist (D2.8).
+  /// ScrewEffects and ScrewCurvature have the screws and wrenches of each joint screw.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them
