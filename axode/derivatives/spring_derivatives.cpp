@@ -92,8 +92,11 @@ template <class T, class Add> class DifferentiateSpring {
   using Column = typename SpringColumns<T>::Column;
   static constexpr auto nothing = [](std::size_t, int, int, const auto&) {};
 
-  /// Returns segment k of a path and stores its columns: for each velocity that moves one of its ends, the
-  /// derivative of the vector between its ends, and the angular velocity of that end for a unit velocity.
+  /// Returns segment k of the path of a spring, the straight line from point k to the next point, and stores
+  /// its columns. There is one column for each end of the segment and each velocity that moves this end. For
+  /// a unit of this velocity, the column has the rate of the vector between the ends and the angular velocity
+  /// of the body at the moved end, both relative to the body where the paths from the two ends to the ground
+  /// meet.
   Segment<T> with_columns(const Spring::Path& path, std::size_t k) const noexcept {
     columns_.count = 0;
     Segment<T> segment(&path.points[k], tree_, q_, v_, [&](std::size_t e, int i, int c, const Screw<T>& X) {

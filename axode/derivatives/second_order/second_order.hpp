@@ -236,9 +236,12 @@ template <class T> struct SecondOrder {
   T own_bracket(int l, int k) const {
     return Wrench<Spatial, T>{curvature.get3(AS, k), curvature.get3(AS + 3, k)} | first.screws.screw(l);
   }
-  /// Writes to `line`, for joint screw l and each joint screw k from `begin` to `end` - 1, six sums of
-  /// powers of wrenches of k on screws of l, of which the second derivatives of λ·τ consist (D2.8).
-  /// ScrewEffects and ScrewCurvature have the screws and wrenches of each joint screw.
+  /// Computes the six second derivatives (D2.8) of λ·τ, the forces τ of inverse dynamics with constant
+  /// weights λ, along the directions of joint screw l and of each joint screw c from `begin` to `end` - 1.
+  /// They are those by q twice, by q and v in both orders, by v twice, and by a and q in both orders. Each of
+  /// them is a sum of powers W | X of wrenches W of screw c on screws X of screw l, which are members of
+  /// ScrewEffects and ScrewCurvature. Writes them to entry c of the six arrays of `line`. If both screws
+  /// belong to one joint, own_bracket() must be subtracted from the derivative by v twice.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

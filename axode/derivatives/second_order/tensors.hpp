@@ -145,9 +145,12 @@ template <class T> struct SecondOrderTensors {
       store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// Computes the products (D2.11) of three joint screws on one path to the ground: screw d, which is the
-  /// outermost, screw j, and each screw of the path in turn. Writes them to `line`. The joint of screw j has
-  /// the screws from begin_j to end_j - 1.
+  /// Computes the products (D2.11) of which the second derivatives of inverse dynamics consist, for three
+  /// joint screws on one path to the ground: screw d, whose joint is the farthest from the ground, screw j,
+  /// and each screw c of the path in turn. The products are powers of wrenches, which belong to d and c and
+  /// are stored in `wrench`, on screw j and on its bracket ψ' with the twist of the predecessor. Writes them
+  /// to entry c of the arrays of `line`, see Products. The joint of screw j has the screws from begin_j to
+  /// end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -175,8 +178,10 @@ template <class T> struct SecondOrderTensors {
         store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
       }
   }
-  /// Adds the products (D2.11) in `line` to the entries of component d of the tensors and, if the joint of
-  /// screw j is before that of d, to those of component j.
+  /// Adds the products (D2.11) that multiply() has written to `line`, for the joint screws d and j and each
+  /// screw of their path, to the tensors of second derivatives. They contribute to the derivatives of the
+  /// force at the velocity of screw d and, if the joint of screw j is nearer to the ground than that of d, of
+  /// the force at the velocity of screw j.
   void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
            const SecondDerivatives<T>& out) noexcept {
     const std::ptrdiff_t v_j = velocity[j];
