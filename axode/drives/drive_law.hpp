@@ -69,8 +69,9 @@ class DriveLaw {
 
 /// Makes a DriveLaw from a struct Law, whose functions are written once for all types T of numbers. The
 /// struct has a member template `evaluate(const DrivePoint<T>&, std::span<const int>, DriveResponse<T>&)
-/// const`, and the members states() and start() of DriveLaw. If it has statuses, it also has the members
-/// n_statuses(), choose(), margin() and change() of DriveLaw; margin() may be a template.
+/// const`, and the members states() and start() of DriveLaw. If the law has statuses, integers that select a
+/// branch of the law (such as whether a limit is reached), the struct also has the members n_statuses(),
+/// choose(), margin() and change() of DriveLaw; margin() may be a template.
 template <class Law> class DriveLawOf final : public DriveLaw {
  public:
   explicit DriveLawOf(Law law) : law_(std::move(law)) {}

@@ -25,12 +25,14 @@ class DrivePort {
   void update(const Tree<double>& tree, std::span<const double> q, std::span<const double> v);
   double l() const { return l_; }
   double w() const { return w_; }
-  /// The row vector E with l' = E v, as it was computed last: pairs of the index of a velocity and an entry.
-  /// If an index occurs several times, its entries must be added.
+  /// The row vector E of the last update(), with which the rate of the coordinate l of the drive (an angle or
+  /// a length) is l' = E v. Each pair has the index of a velocity and an entry of E. If an index occurs
+  /// several times, its entries must be added.
   std::span<const std::pair<int, double>> row() const { return row_; }
 
-  /// Adds `factor` times the derivative of the row vector E by q to `out` (nv × nv) (D17.3). Entry [i, j] is
-  /// the derivative of entry i of E along the left-trivialised direction of velocity j.
+  /// Adds `factor` times the derivative by q of the row vector E to `out` (nv × nv) (D17.3), where E gives
+  /// the rate l' = E v of the coordinate l along which the drive acts. Entry [i, j] is the derivative of
+  /// entry i of E along the left-trivialised direction of velocity j.
   void add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                            std::span<double> out);
 
@@ -49,8 +51,10 @@ class DrivePort {
   /// of the end of the line that the entry's velocity moves, and the velocity of this end for a unit of it,
   /// in the axes of the body at this end.
   std::vector<std::pair<std::size_t, Vec3<>>> columns_;
-  /// In add_row_derivatives(), for each entry: the end of the line, the body and the velocity that move it,
-  /// and the rates w_k and r_k.
+  /// The motion of one end of a line between two points for a unit of velocity c, for add_row_derivatives().
+  /// `end` (0 or 1) is the end that moves, and `body` the body whose joint has velocity c. w is the angular
+  /// velocity of the body at this end, and r the rate of the vector from end 0 to end 1, both relative to the
+  /// body where the paths from the two ends to the ground meet, and in its axes.
   struct Column {
     std::size_t end;
     int body, c;

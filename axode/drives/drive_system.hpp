@@ -72,8 +72,9 @@ class DriveSystem {
   /// Adds to tau the last forces of drives along lines between two points, which evaluate() also adds.
   void add_line_forces(std::span<double> tau) const;
   DriveEnergy energy(double t, Span q, Span v, Span x);
-  /// Computes the derivatives of the drive forces and of the rates at constant statuses. Allocates only the
-  /// matrices of a new result.
+  /// Computes the derivatives of the drive forces and of the rates x' of the drive states, at constant
+  /// statuses: the integers that say which form of each drive's law holds do not change. Allocates memory
+  /// only in the first call and for an `out` that has not been used before.
   void derivatives(double t, Span q, Span v, Span x, DriveDerivatives& out);
   DriveDerivatives derivatives(double t, Span q, Span v, Span x) {
     DriveDerivatives out;

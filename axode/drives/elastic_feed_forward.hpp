@@ -50,7 +50,8 @@ class ElasticFeedForward {
   /// with closed loops and `rates`: four rows V, V', V'' and V''', each with one number for every task
   /// velocity of `space`. If the returned verdict is not ok(), the entries of all drives are NaN. Allocates;
   /// O(m) for m limbs, the chains that carry the platform. Throws std::invalid_argument for wrong sizes,
-  /// results that overlap arguments, and a space whose model does not have nv velocities.
+  /// results that overlap arguments, and a `space` whose model has another number of velocities than the
+  /// model of this object.
   [[nodiscard]] TaskVerdict evaluate(TaskSpace& space, std::span<const double> q,
                                      std::span<const double> rates, MotorMotion& motors,
                                      const Loads<double>& loads = {});

@@ -19,9 +19,10 @@ struct DcMotor {
   double alpha = 0;           ///< temperature coefficient of the resistance, 1/K
   double T_a = 25, T_0 = 25;  ///< ambient temperature, and the one at which R is given, degC
 
-  /// How the current of the motor is controlled. The current is free, or the amplifier holds it at the limit
-  /// i_max, or it is above i_max because the voltage of the amplifier is too small to hold it there. These
-  /// numbers, with the sign of the current, are the status of the drive.
+  /// The current control of the motor: the current is free (0), or the amplifier holds its magnitude at the
+  /// limit i_max (1), or the magnitude is above i_max because the voltage of the amplifier is too small to
+  /// hold it there (2). This number times the sign of the current is a status of the drive, an integer that
+  /// selects a branch of its law.
   enum Current { free = 0, held = 1, beyond = 2 };
 
   bool has_temperature() const { return std::isfinite(C); }

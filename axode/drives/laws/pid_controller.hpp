@@ -5,9 +5,10 @@
 
 namespace axode {
 
-/// A PID controller for the position of a joint, or for the length of a line (D17.10). Its input is the
-/// reference of this position. Its output is a force on the joint or line, or the input of another drive. The
-/// states are the integral and the filtered error.
+/// A PID controller for the position of a joint, or for the length of a line between two points of bodies
+/// (D17.10). Its input is the reference of this position or length. Its output is a force on the joint or
+/// along the line, or the input of another drive. The states are the integral part of the output and the
+/// filtered error.
 struct PidController {
   double K_p, K_i = 0, K_d = 0;
   double T_f = 0.01;         ///< time constant of the filter of the derivative, s
