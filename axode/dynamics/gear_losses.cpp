@@ -34,9 +34,11 @@ double ResistingForces::bound(Eigen::Index i, int direction) const {
   return joints_[at(i)].friction + part_lost(i, direction, F_i < 0 ? -1 : 1) * std::abs(F_i);
 }
 
-/// Checks the condition (D9.12) under which the friction forces of joints with gears are unique. Returns -1
-/// if it holds. Otherwise it returns the joint whose diagonal term in the condition is most negative,
-/// relative to its compliance (the acceleration for a unit force).
+/// Checks the condition (D9.12) under which the friction forces of joints with gears are unique: Φ + diag(δ)
+/// must be positive definite. Φ = ∂a/∂τ is the response of the accelerations to joint forces. For gears that
+/// move or have κ_b > 1, δ is (1 - κ_b)/(κ_b I) with the inertia I of the rotor and the part κ_b of the
+/// transmitted force that the gear loses while it is driven back; for other joints at rest δ is 0. Returns -1
+/// if the condition holds. Otherwise returns the index i of the joint with the most negative δ_i/Φ_ii.
 int ResistingForces::not_unique(const Matrix& Phi) const {
   std::vector<Eigen::Index> rows;  // joints that stick in the worst case come first
   std::vector<double> diagonal;
@@ -77,11 +79,11 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Sets the friction forces and the data of a problem whose solution is known, with which the search for the
-/// friction forces starts: joints at rest stick without a friction force, and the drives of moving joints
-/// drive their gears. The forces that the gears transmit differ from joint to joint, so that in a symmetric
-/// mechanism the path to the solution crosses one by one the boundaries between the pieces in which the
-/// equations are linear.
+/// Sets the friction forces and the data of the problem with which the search for the friction forces starts,
+/// and whose solution is known. In this problem, joints at rest stick without a friction force. In moving
+/// joints the drive drives the gear, and the friction force is the loss of the gear. The forces that the
+/// gears transmit differ from joint to joint: otherwise, in a symmetric mechanism, the path from this problem
+/// to the given one would cross the limits of several linear pieces of the equations at once.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);

@@ -35,10 +35,12 @@ class ResistingForces {
   using Matrix = Eigen::MatrixXd;
   using Vector = Eigen::VectorXd;
 
-  /// Computes the friction forces x() and the accelerations a() of the k joints. `a_0` are the accelerations
-  /// without friction forces, and column j of `Phi` (k × k, symmetric) has the accelerations by a unit force
-  /// on joint j. Returns -1 or, if the solution is not unique or not found, the index of a joint, in general
-  /// one whose gear locks itself too strongly. O(k³) for each linear piece on the path to the solution.
+  /// Computes the friction forces x() and the accelerations a() of the k joints in `joints`. `a_0` are the
+  /// accelerations without friction forces, and column j of `Phi` (k × k, symmetric) has the accelerations by
+  /// a unit force on joint j. Returns -1 or, if the solution is not unique or not found, the index of a
+  /// joint, in general one whose gear is so strongly self-locking that the condition of uniqueness (D9.12)
+  /// fails. The equations are linear in pieces; the method solves a linear system, O(k³), in each piece that
+  /// it passes.
   int find(const Matrix& Phi, const Vector& a_0, std::span<const ResistingJoint> joints);
 
   const Vector& x() const { return x_; }
@@ -98,8 +100,9 @@ class MovingGears {
   std::span<const int> velocities() const { return velocities_; }
   /// Adds the friction forces of the k selected gears to the joint forces `tau` (nv). `a` (nv) are the
   /// accelerations without friction forces, and row i of `responses` (k × nv) has the accelerations by a unit
-  /// force on the joint of gear i. If a gear locks itself too strongly (D9.12), the returned Solvability
-  /// names its body, and `tau` does not change.
+  /// force on the joint of gear i. If the friction forces are not unique because a gear is too strongly
+  /// self-locking (D9.12), or if they are not found, the returned Solvability names the body of a gear, and
+  /// `tau` does not change.
   template <class T>
   Solvability add_forces(const Model& model, std::span<const T> a, std::span<const T> responses,
                          std::span<T> tau);

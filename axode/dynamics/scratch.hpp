@@ -79,8 +79,10 @@ template <class T> struct PosesAndMotion {
   explicit PosesAndMotion(Arena& arena) : C(arena), motion(arena) {}
 };
 
-/// Scratch memory for a Coriolis matrix C = Jᵀ (M J' + B J) with the spatial Jacobian J and inertia M of all
-/// bodies: joint screws and inertias, and for each body its twist and its 6×6 block of B.
+/// Scratch memory for a Coriolis matrix C = Jᵀ (M J' + B J): the joint screws, and for each body its inertia,
+/// its twist and its block of B. J and M are the spatial Jacobian and the spatial inertia of all bodies. B is
+/// block diagonal, and depends on the form of C: the 6×6 block of body i with the inertia M_i and the twist
+/// V_i maps a twist X to a wrench, for example to -ad_{V_i}ᵀ M_i X.
 template <class T> struct CoriolisBodies {
   SpatialTree<T> spatial;
   Twist<Spatial, T>* V;

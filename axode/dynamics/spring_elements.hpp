@@ -28,9 +28,9 @@ template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, con
   return out;
 }
 
-/// The spring of a joint with several velocities. x = log(q) is the logarithm of the joint's motion from its
-/// drawn pose. `Kx` is the diagonal stiffness matrix times x, and dx[k] = dexp_{-x}⁻¹ e_k is the rate of x
-/// for a unit of velocity k.
+/// The spring of a joint with several velocities. x = log(q) is the logarithm of the joint's displacement
+/// from its reference pose (coordinates 0, quaternion the identity). `Kx` is the diagonal stiffness matrix
+/// times x, and dx[k] = dexp_{-x}⁻¹ e_k is the rate of x for a unit of velocity k.
 template <class Joint, class T> struct ElasticLogarithm {
   using Entries = std::array<T, Joint::nv>;
   Entries x, Kx;

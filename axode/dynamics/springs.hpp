@@ -8,10 +8,10 @@
 /// On a joint with one velocity, a spring of stiffness k has the force -k (p - rest) at the joint's own
 /// position p. At a depth δ beyond a limit of the joint, its stop has the force -k_s δ max(0, 1 + d δ') (Hunt
 /// and Crossley), where k_s and d are the stiffness and the damping of the stop. For the spring of a joint
-/// with several velocities, let x be the logarithm of the motion from the drawn pose and K the diagonal
-/// matrix of stiffnesses; the energy is xᵀ K x / 2 and the force is -dexp_{-x}⁻ᵀ K x. The force jumps at half
-/// a turn, where the shorter rotation changes its direction; for planar and free joints the energy jumps
-/// there as well.
+/// with several velocities, let x be the logarithm of the joint's displacement from its reference pose
+/// (coordinates 0, quaternion the identity), and K the diagonal matrix of stiffnesses; the energy is xᵀ K x /
+/// 2 and the force is -dexp_{-x}⁻ᵀ K x. The force jumps at half a turn, where the shorter rotation changes
+/// its direction; for planar and free joints the energy jumps there as well.
 ///
 /// A spring element acts between two points, along a path of points, on the angle between two frames or on a
 /// sum of joint coordinates. It has one coordinate x, the tension F of its ForceLaw, and the generalised

@@ -5,13 +5,15 @@
 #include "axode/dynamics/closed_form/coriolis.hpp"
 #include "axode/recursion/loads.hpp"
 
-/// The equations of motion in closed form (section 5 of the paper), each as matrices of the whole system, for
-/// analysis. The recursions give the same results and are faster. Mass matrices and drive forces include
-/// armatures. All functions throw std::invalid_argument for wrong sizes.
+/// The equations of motion in closed form, each as matrices of the whole system, for analysis. They are those
+/// of section 5 of A. Müller, Screw and Lie group theory in multibody dynamics: recursive algorithms and
+/// equations of motion of tree-topology systems (2018); equation labels are those of this paper. The
+/// recursions give the same results and are faster. Mass matrices and drive forces include armatures. All
+/// functions throw std::invalid_argument for wrong sizes.
 namespace axode::closed_form {
 
-/// The inertia matrix diag(M_1, ..., M_n) of all bodies, 6n × 6n, with the 6 × 6 inertia matrices M_i in the
-/// body frames, in representation Rep.
+/// The inertia matrix diag(M_1, ..., M_n) of all n bodies, 6n × 6n. The 6 × 6 matrix M_i maps the twist of
+/// the frame of body i to the momentum of body i, both in representation Rep.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::MatrixXd inertia_matrix(const Model& model, std::span<const double> q);
 
