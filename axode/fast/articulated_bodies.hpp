@@ -357,9 +357,9 @@ template <class G, class T> struct FastArticulatedBodies {
   }
   /// One step, from the leaves to the root, of the solution of M X = B with the mass matrix M: that of one
   /// joint, whose n screws have the indices s to s + n - 1. right_side(k) is the row of B for screw k, and F
-  /// the sum of the wrenches that the joints of the children transmit. Computes u, the acceleration of each
-  /// screw if the predecessor and the screws before it are at rest. Unless the joint is on the ground, F
-  /// becomes the wrench that the joint transmits if the predecessor is at rest.
+  /// the sum of the wrenches that the joints of the children transmit. Computes u, the joint acceleration
+  /// along each screw if the predecessor and the screws before it have no acceleration. Unless the joint is
+  /// on the ground, F becomes the wrench that the joint transmits if the predecessor has no acceleration.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
                                              const RightSide& right_side, Several* u, bool on_a_body,
@@ -376,9 +376,10 @@ template <class G, class T> struct FastArticulatedBodies {
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
   /// One step, from the root to the leaves, of the solution of equations with the mass matrix: that of one
-  /// joint, whose n screws have the indices s to s + n - 1. free(k) is the acceleration of screw k if the
-  /// predecessor and the screws before it are at rest. put(k, x) receives the acceleration x of screw k. On
-  /// entry X is the acceleration of the predecessor (0 for the ground), on return that of the body.
+  /// joint, whose n screws have the indices s to s + n - 1. free(k) is the joint acceleration along screw k
+  /// if the predecessor and the screws before it have no acceleration. put(k, x) receives the true joint
+  /// acceleration x along screw k. On entry X is the acceleration of the predecessor (0 for the ground), on
+  /// return that of the body.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {

@@ -58,9 +58,10 @@ template <class T> struct FastCompositeBodies {
     }
   }
 
-  /// Writes the mass matrix M, nv × nv, armatures included. For i <= j, M_ij = S_i | F_j if velocity i moves
-  /// the joint of velocity j, and 0 otherwise, with the joint screws S and the impulse F_j that gives the
-  /// subtree of joint j the twist S_j. The entries below the diagonal are equal to those above.
+  /// Writes the mass matrix M, nv × nv, armatures included. For i <= j, M_ij is the product S_iᵀ F_j if
+  /// velocity i moves the joint of velocity j, and 0 otherwise, with the joint screws S and the impulse F_j
+  /// that gives the subtree of joint j the twist S_j. The entries below the diagonal are equal to those
+  /// above.
   template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     if constexpr (L::width == 1) {
@@ -93,8 +94,9 @@ template <class T> struct FastCompositeBodies {
   }
 
  private:
-  /// Writes the columns c, c + 1, ... of M, one in each lane. The columns after them must have been written
-  /// before, because lanes beyond the end of a row spill into the next row.
+  /// Writes the columns c, c + 1, ... of M, one in each SIMD lane. Blocks of columns must be written from the
+  /// last to the first: lanes beyond the end of a row overwrite the first entries of the next row, which must
+  /// be written later.
   void write_columns(const Topology& topology, int c, T* out) const noexcept {
     const Arrays<T> screw = S, impulse = F;  // local copies, which no store can change
     const int nv = topology.nv, next = std::min(c + L::width, nv);

@@ -90,8 +90,9 @@ template <class T> struct Arrays {
     p[stride] = a.y;
     p[2 * stride] = a.z;
   }
-  /// The sum of x[m] times component k + m over m = 0 to n - 1, for entry i in the first lane, entry i + 1 in
-  /// the second, and so on.
+  /// Returns Σ x[m] array(k + m)[i] over m = 0 to n - 1, the product of n numbers x with the components k to
+  /// k + n - 1 of entry i (such as a wrench) of these arrays. The first SIMD lane has the result for entry i,
+  /// the second lane that for entry i + 1, and so on.
   template <int n> Number product(const Number* x, int k, int i) const {
     const T* const p = array(k) + i;
     Number sum = x[0] * L::load(p);

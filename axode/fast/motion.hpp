@@ -98,9 +98,11 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
     if constexpr (std::same_as<Rep, Mixed>) angular = transposed<G, T>(R, F.R) * Spread(angular);
     return {angular, linear};
   }
-  /// Changes x, the rotation, position, velocity and (if computed) acceleration of the origin of a frame, to
-  /// those of another frame that is fixed to the same body. w is the angular velocity of the body. The other
-  /// frame has the rotation to.R, and to.r is the vector to its origin from the origin of the first frame.
+  /// Changes x from the motion of a frame to that of another frame that is fixed to the same body. x has the
+  /// rotation, and the position, velocity and (if computed) acceleration of the origin of the frame. w is the
+  /// angular velocity of the body, to.R the rotation of the other frame, and to.r the vector from the origin
+  /// of the first frame to that of the other one. All vectors are in inertial axes, and rotations are
+  /// relative to these axes.
   static void carry(Body& x, const Factor& w, const Placed<G>& to) noexcept {
     const Factor d(to.r);
     const Vector w_d = cross(w, d);

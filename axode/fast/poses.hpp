@@ -40,8 +40,10 @@ template <class T, class S>
 /// Whether joint i is a hinge with a coordinate of its own (not coupled), as most joints of machines are.
 template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hinges[i] > 0; }
 
-/// The rotation R of a body, and the vector r to its origin, from the origin of its predecessor or from a
-/// fixed point.
+/// The rotation R of a body, which takes coordinates in the body frame to some common axes, mostly the
+/// inertial ones, and the vector r to the origin of the body in these axes. The vector r begins at the origin
+/// of the predecessor in the result of place(), and elsewhere at the origin of the inertial frame or of the
+/// root body.
 template <class G> struct Placed {
   typename G::Matrix R;
   typename G::Vector r;
