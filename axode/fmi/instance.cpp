@@ -13,9 +13,10 @@
 namespace axode::fmi {
 namespace {
 
-/// A threshold of FMUs for model exchange with loops: if the residuals of the loops exceed it (rad, m, rad/s,
-/// m/s), the FMU asks for an event, in which it closes the loops. The importing program's tolerance, if it
-/// sets one, replaces usual_drift, but not below least_drift.
+/// A threshold of FMUs for model exchange with loops: if closing the loops would change an entry of q or v by
+/// more than this number (rad, m, rad/s, m/s), the FMU asks for an event, in which it closes the loops. The
+/// threshold is usual_drift if the importing program sets no tolerance. Otherwise it is this tolerance, but
+/// not less than least_drift.
 constexpr double usual_drift = 1e-8, least_drift = 1e-10;
 /// A threshold of FMUs for model exchange without loops: if normalising the quaternions would change the
 /// state by more than this number, the FMU asks for an event, in which it normalises them.

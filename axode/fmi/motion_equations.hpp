@@ -64,7 +64,8 @@ class MotionEquations {
   /// Corrects a state at the start: normalises quaternions, closes loops and follows prescribed motions at
   /// the time in `at`, by changes of q and v. Then determines the discrete state: which form of the law of
   /// each drive holds, and which joints stick or slide. Throws std::runtime_error if the loops cannot be
-  /// closed, and NoRates.
+  /// closed. Throws NoRates if q cannot be normalised, or if there are joints with dry friction or gear
+  /// losses and the accelerations cannot be computed.
   void start(Point& at);
   /// Finds out which plays (backlash of couplings) and hard stops are at an end when a motion starts. Those
   /// that move against their end have an impact, which changes v. Throws std::invalid_argument for a play or
@@ -93,9 +94,10 @@ class MotionEquations {
   /// The poses of frames, given by indices, with 12 numbers each: columns of the rotation, then position.
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
-  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches). They are exact
-  /// as long as no drive changes the form of its law, no joint begins to stick or slide and no play (backlash
-  /// of a coupling) opens or closes, but do not contain losses of gears.
+  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches), with the
+  /// states x of drives, the drive forces tau and the wrenches on frames of `at`. They are exact as long as
+  /// no drive changes the form of its law, no joint begins to stick or slide and no play (backlash of a
+  /// coupling) opens or closes, but do not contain losses of gears.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);
@@ -114,10 +116,11 @@ class MotionEquations {
   bool is_closed(const Point& at);
   Plays::Engage engagement(const Point& at);
   void settle_plays(const Point& at);
-  /// The loads of a point. They are valid until the next call.
+  /// The loads with the wrenches in `at`. They are valid until the next call.
   Loads<double> loads(const Point& at);
-  /// The joint forces at a point (nv): tau plus the forces of drives and springs and, if there is dry
-  /// friction, the forces of joint losses. Writes the rates of the drive states x to `dx` unless it is null.
+  /// The joint forces (nv) at the time and the state in `at`: the drive forces tau in `at` plus the forces of
+  /// drives and springs and, if there is dry friction, the forces of joint losses. q is the configuration
+  /// with normalised quaternions. Writes the rates of the drive states x to `dx` unless it is null.
   std::vector<double> force_sum(const Point& at, Span q, std::vector<double>* dx);
   Derivatives derivatives(const Point& at, Span q);
   /// Computes derivatives by the coordinates before quaternions are normalised, `raw` (nq numbers).

@@ -27,11 +27,11 @@ class SteppedMotion {
  public:
   using Span = std::span<const double>;
 
-  /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description. Without
-  /// a relative tolerance, the tolerances of simulate() hold; a motion with contact then takes equal steps of
-  /// the usual length, or shorter ones, and with a tolerance adaptive steps. Throws std::invalid_argument for
-  /// a state in which a motion cannot start, and if t is not 0 and the mechanism has prescribed motions or
-  /// drives.
+  /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description.
+  /// `tolerance` is the relative tolerance of adaptive steps. If it is empty, the default tolerances of
+  /// simulate() hold; a motion with contact then takes equal steps between two communication points, none of
+  /// which is longer than the default step of the method `contact`. Throws std::invalid_argument for a state
+  /// in which a motion cannot start, and if t is not 0 and the mechanism has prescribed motions or drives.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
                 std::optional<double> tolerance);
   /// A copy continues independently; both write their forces to one memory before they integrate.
