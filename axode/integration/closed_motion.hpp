@@ -13,10 +13,11 @@
 
 namespace axode {
 
-/// The loops and prescribed motions of a mechanism in a simulation. It computes accelerations that keep the
-/// loops closed and follow the motions. At the end of a step it projects q by a displacement, and v by
-/// impulses, which are least in the norm of the mass matrix. Prescribed motions count as loops, whose
-/// residual is the deviation from the motion. See (D7.12), (D7.13) and (D12.1) of docs/derivations.
+/// The loops and prescribed motions of a mechanism in a simulation. A ClosedMotion computes accelerations
+/// that keep the loops closed and follow the prescribed motions. At the end of a step it projects q by a
+/// displacement, and v by impulses, which are least in the norm of the mass matrix. Prescribed motions count
+/// as loops, whose residual is the deviation from the motion. See (D7.12), (D7.13) and (D12.1) of
+/// docs/derivations.
 class ClosedMotion {
  public:
   using Span = std::span<const double>;
@@ -30,7 +31,8 @@ class ClosedMotion {
   void set_time(double t);
   /// Why the accelerations a do not follow the prescribed motions, as a sentence; empty if they do.
   std::string unfollowed(Span q, Span v, Span a);
-  /// A sentence about a singularity of loops and motions near q at time t (s); empty if there is none.
+  /// A sentence about a singularity of loops and prescribed motions near q at time t (s); empty if there is
+  /// none.
   std::string singularity(Span q, double t);
   /// Throws std::invalid_argument unless the initial state (q, v) of a simulation closes the loops and
   /// follows the prescribed motions. Determines the rank of the Jacobian of the loops.
@@ -54,10 +56,13 @@ class ClosedMotion {
   /// velocities that keep the loops closed. Returns false if the residual stays above 1e-6 or the mass matrix
   /// is singular.
   [[nodiscard]] bool close(std::span<double> q, std::span<double> v);
-  /// close_places() projects q alone onto closed loops; close_momenta() projects the momenta p = M v at a
-  /// closed q onto those that keep the loops closed and follow the motions. Both return false if this fails.
+  /// close_places() projects q alone onto configurations in which the loops are closed and the prescribed
+  /// motions are followed. close_momenta() projects the momenta p = M v at such a configuration onto those
+  /// with which the loops stay closed and the prescribed motions are followed. Both return false if this
+  /// fails.
   [[nodiscard]] bool close_places(std::span<double> q);
-  /// Whether loops are closed and motions followed at q, up to a residual of 1e-6 (rad and m).
+  /// Whether the loops are closed and the prescribed motions are followed at q, up to a residual of 1e-6
+  /// (rad, m).
   [[nodiscard]] bool is_closed(Span q);
   [[nodiscard]] bool close_momenta(Span q, std::span<double> p);
   /// The multiplier of a named coupling of joints: a force after accelerate(), an impulse after bounce().
@@ -69,7 +74,7 @@ class ClosedMotion {
   void determine_rank(Span q);
 
  private:
-  double open(Span q);  ///< norm of the residual of loops and motions
+  double open(Span q);  ///< norm of the residual of loops and prescribed motions
 
   MotionRows motions_;
   Model model_;  ///< MotionRows::model()

@@ -168,10 +168,11 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// Applies a map of momenta joint by joint: for every joint of several velocities with the screws S, `out`
-  /// receives f(S x, p). f takes and returns momenta whose angular and linear parts are exchanged, because
-  /// these transform like screws, but by the inverse map. For a joint of one velocity `out` receives the
-  /// entry of `plain`, or 0 if `plain` is null.
+  /// Applies a map of momenta joint by joint. For every joint of several velocities with the screws S, the
+  /// entries x for its velocities and the momenta p, `out` receives f(S x, p), where f takes and returns
+  /// momenta whose angular and linear parts are exchanged. With exchanged parts, the transpose of Ad_{exp X},
+  /// ad_X or dexp_X is the same map of screws with -X instead of X. For a joint of one velocity `out`
+  /// receives the entry of `plain`, or 0 if `plain` is null.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

@@ -33,8 +33,9 @@ void check_motion(const Model& model, const ContactShapes& shapes, double step,
 struct Counts {
   Eigen::Index surfaces, placement, inertia, geometry;
 
-  /// Takes the kinds whose spans are not empty. Throws std::invalid_argument for a model whose derivatives by
-  /// geometry are not known.
+  /// Counts the parameters of those kinds (surfaces, placement, inertia, geometry) for which `asked` has a
+  /// span that is not empty. Throws std::invalid_argument if `asked` has geometric parameters and the model
+  /// has closed loops or springs between frames, because the derivatives by geometry are then not known.
   template <class T>
   Counts(const Model& model, const ContactShapes& shapes, const ContactParameters<T>& asked)
       : surfaces(asked.surfaces.empty() ? 0 : 3 * shapes.size()),

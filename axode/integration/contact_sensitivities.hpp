@@ -16,8 +16,9 @@
 /// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
 /// unit norm, step <= 0, shapes of another model or with a stiffness, prescribed motions, drives with states,
 /// couplings with play, and results that share memory with arguments. Contact points must have a formula that
-/// can be differentiated, as for planes with any shape, spheres, capsules, boxes on faces, and boxes with
-/// spheres. If one has none, or a step fails, ContactSensitivity::failure says so, and all results are NaN.
+/// can be differentiated. This is the case for planes with any shape, spheres and capsules with each other,
+/// boxes with spheres, and two boxes if a face of one of them touches. If a contact has no such formula, or a
+/// step fails, ContactSensitivity::failure says so, and all results are NaN.
 namespace axode {
 
 /// Whether a computation of sensitivities failed, and whether the derivatives exist.
@@ -32,29 +33,34 @@ struct [[nodiscard]] ContactSensitivity {
   bool ok() const { return !failure; }
 };
 
-/// Numbers for the parameters of a mechanism with n shapes and b bodies, such as changes of them or gradients
-/// by them. Each span may be empty.
+/// Numbers for the parameters of a mechanism with n shapes and b bodies, such as changes of the parameters or
+/// gradients of an objective by them. Each span may be empty.
 template <class T> struct ContactParameters {
-  /// 3 n: n for the friction of each shape, n for the restitution of each, and n for the thickness of a layer
-  /// on each (m), which is the radius of a sphere or capsule and the height of a plane. Derivatives by the
-  /// friction of a pair of shapes without friction, which do not exist, are given as 0.
+  /// The surfaces of the shapes, 3 n numbers: n for the coefficients of friction, n for the restitution, and
+  /// n for the thickness of a layer on each shape (m). A change of this thickness moves the surface of the
+  /// shape outwards, like a change of the radius of a sphere or capsule, or of the height of a plane.
+  /// Derivatives by the friction of a pair of shapes without friction, which do not exist, are given as 0.
   std::span<T> surfaces = {};
-  /// 6 n: displacements of each shape on its body (rad and m) along the unit screws of the frame of the
-  /// shape, angular before linear. The pose P of the shape becomes P exp(Σ π_u U_u).
+  /// The placement of the shapes, 6 n numbers: six numbers π_u for each shape, which displace it on its body
+  /// (rad and m) along the unit screws U_u of its own frame, angular before linear. The pose P of the shape
+  /// becomes P exp(Σ π_u U_u).
   std::span<T> placement = {};
-  /// 10 b: the inertial parameters of each body, see inertial_parameters.hpp (kg, kg m, kg m²).
+  /// The inertia of the bodies, 10 b numbers: the inertial parameters of each body, see
+  /// inertial_parameters.hpp (kg, kg m, kg m²).
   std::span<T> inertia = {};
-  /// 6 b: the geometric parameters of each body, see geometry_derivatives.hpp (rad and m). It must be empty
-  /// for models with loops or with springs between frames (std::invalid_argument).
+  /// The geometry of the tree, 6 b numbers: the geometric parameters of each body, which displace its subtree
+  /// along six unit screws, see geometry_derivatives.hpp (rad and m). For models with loops or with springs
+  /// between frames the span must be empty, or std::invalid_argument is thrown.
   std::span<T> geometry = {};
 };
 
 /// Receives the states of a motion of K steps, K + 1 rows of nq and of nv numbers, and for each step, row by
 /// row, the derivatives of the state at its end: A (2nv × 2nv) by the state at its start, B (2nv × nv) by the
-/// drive forces τ, and C (2nv × 3 n for n shapes, or empty) by the surfaces, with the columns of
-/// ContactParameters::surfaces. `by` has the derivatives by the other parameters, K times 2nv rows with their
-/// columns; by.surfaces must be empty. The first nv rows, and columns of A, are those of q, and the last nv
-/// those of v. The spans must not overlap.
+/// drive forces τ, and C (2nv × 3 n for n shapes, or empty) by the friction, the restitution and the layers
+/// of the shapes, in the order of ContactParameters::surfaces. `by` has the derivatives by the other
+/// parameters, for each kind K times 2nv rows with a column for each parameter; by.surfaces must be empty.
+/// The first nv rows, and columns of A, are those of q, and the last nv those of v. The spans must not
+/// overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B, C = {};
   ContactParameters<double> by = {};
@@ -69,9 +75,9 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
                                                const Monitor& monitor = {});
 
 /// Computes the displacements of all states of a motion of K steps with contact, under K rows of nv drive
-/// forces, if its start q is displaced by dq, its initial velocity by dv, the forces by dtau (K nv numbers)
-/// and the parameters by `parameters`. dq_out and dv_out receive K + 1 rows of nv numbers; the first rows are
-/// dq and dv. Allocates.
+/// forces, if its start q is displaced by dq, its initial velocity by dv, the forces by dtau (K nv numbers),
+/// and the surfaces, placement, inertia and geometry of the mechanism by the numbers in `parameters`. dq_out
+/// and dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv. Allocates.
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> dq,
@@ -81,9 +87,10 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        const ContactParameters<const double>& parameters = {});
 
 /// Backward differentiation of a motion of K steps with contact: from the gradients w_q and w_v of an
-/// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes its gradients by the
-/// initial state and the drive forces, and those by the parameters, in by_parameters; gradient.geometry must
-/// be empty. Stores 2 K nv (3 nv + p) numbers for p parameters. Allocates.
+/// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes the gradients of the
+/// objective by the initial state and the drive forces. by_parameters receives the gradients by the surfaces,
+/// placement, inertia and geometry of the mechanism, as far as its spans are not empty; gradient.geometry
+/// must be empty. Stores 2 K nv (3 nv + p) numbers for p parameters. Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

@@ -35,8 +35,9 @@ class SampledDrive {
 /// The reference of a controller: configuration, velocities and accelerations as functions of time.
 class Reference {
  public:
-  /// A constant reference; v and a are 0 if empty. Throws std::invalid_argument for wrong sizes, quaternions
-  /// that are not of unit norm and numbers that are not finite.
+  /// A reference that has the given q, v and a at all times, with v = 0 and a = 0 if these spans are empty.
+  /// Throws std::invalid_argument for wrong sizes, quaternions that are not of unit norm and numbers that are
+  /// not finite.
   Reference(const Model& model, std::span<const double> q, std::span<const double> v = {},
             std::span<const double> a = {});
   /// A reference that follows a motion, and rests at its ends before and after it. Throws

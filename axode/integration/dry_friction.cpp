@@ -12,7 +12,8 @@ namespace {
 
 /// The acceleration of a sticking joint counts as 0 up to a tolerance, the sum of two parts (D9.6). The first
 /// is by_friction times the acceleration that the joint's own friction can cause. The second is by_largest
-/// times the acceleration with which this joint alone would give the norm of all accelerations.
+/// times the energy norm of the accelerations of all joints, converted to an acceleration of this joint: the
+/// acceleration that has this norm if all others are 0.
 constexpr double by_friction = 1e-9, by_largest = 1e-13;
 
 }  // namespace

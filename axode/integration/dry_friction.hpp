@@ -57,7 +57,7 @@ class DryFriction {
   /// of each of them under a unit force if the loops are open. `norm` measures accelerations for the
   /// tolerances. `drive` has the drive forces that pass through gears (nv numbers); it is read only if a gear
   /// has losses. Returns -1 if the accelerations are unique. Otherwise returns the index of the velocity of a
-  /// gear that locks itself too strongly.
+  /// gear that is too strongly self-locking (D9.12).
   [[nodiscard]] int apply_friction(const Matrix& compliance, Span own, const EnergyNorm& norm, Span v,
                                    Span drive, std::span<double> a);
   /// Adds the losses of moving gears to the residuals r = ID(q, v, a) - τ (nv numbers) of the equations of
@@ -102,9 +102,10 @@ class DryFriction {
     Gear gear = {};     ///< without losses if the joint has no such gear
     double slope = 0;   ///< derivative of the loss of a moving gear by the force that it transmits
 
-    /// Computes the member `margin`, which is positive while friction holds the joint, from the present
-    /// friction force. `bound` is the limit of the friction force, a the remaining acceleration, which counts
-    /// as sliding if |a| is above `tolerance`, and `own` the acceleration by a unit force.
+    /// Computes the member `margin`, bound - |force| + (2 tolerance - |a|)/own, which is positive while
+    /// friction holds the joint. `bound` is the limit of the friction force, and `own` the acceleration of
+    /// the joint by a unit force. a is the acceleration of the joint under the present friction force; the
+    /// joint counts as sliding if |a| is above `tolerance`.
     void set_margin(double bound, double a, double tolerance, double own) {
       margin = bound - std::abs(force) + (2 * tolerance - std::abs(a)) / own;
     }
@@ -123,9 +124,10 @@ class DryFriction {
   /// Because Φ may be singular, 1e-12 `size` is added to its diagonal, where `size` is the magnitude of its
   /// entries.
   void factorize(double size);
-  /// Computes the friction forces x of sticking joints and the accelerations a_0 + Φ x with Φ = ∂a/∂τ. The
-  /// iteration begins with the forces of the previous call. `size` is the magnitude of the entries of Φ
-  /// without loops.
+  /// Computes the friction forces x of sticking joints and their accelerations a_0 + Φ x, with Φ = ∂a/∂τ and
+  /// the accelerations a_0 without these forces. The iteration begins with the forces of the previous call.
+  /// `size`, the scale of the regularisation in factorize(), is the largest acceleration of one of these
+  /// joints by a unit force on it if the loops are open.
   void find_forces(double size);
 
   const Tree<double>* tree_;

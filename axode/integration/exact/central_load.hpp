@@ -19,10 +19,12 @@ struct LoadCondition {
 /// bound - |λ_N|. Infinity if there are no conditions.
 double least_reserve(const std::vector<LoadCondition>& conditions, const Eigen::VectorXd& lambda);
 
-/// Moves the loads λ along the columns of `basis` to the loads that are farthest from violating a condition
-/// (D11.31), and returns this distance, the reserve; distances above `most` need not be reached. If λ already
-/// has a reserve of more than 1e-3 `most`, it is left as it is. An interior-point method finds the reserve to
-/// about 1e-14 of `most`, in some hundred iterations of O(k³) for k columns. Allocates.
+/// Moves the loads λ, the normal and tangential forces of constraints, along the columns of `basis` to the
+/// loads with the largest reserve, and returns this reserve (D11.31). The reserve is the least distance of λ
+/// from violating a condition, such as λ_N ≥ 0 or a friction cone, see least_reserve(). It need not become
+/// larger than `most`. If λ already has a reserve of more than 1e-3 `most`, it is left as it is. An
+/// interior-point method finds the reserve to about 1e-14 of `most`, in some hundred iterations of O(k³) for
+/// k columns. Allocates.
 double maximise_reserve(const std::vector<LoadCondition>& conditions, const Eigen::MatrixXd& basis,
                         double most, Eigen::VectorXd& lambda);
 

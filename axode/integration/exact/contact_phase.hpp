@@ -39,17 +39,18 @@ struct Gap {
   double ddg = 0;  ///< NaN if the pair of shapes has no closed form
 };
 
-/// The motion of a mechanism in one phase: as long as the same contacts, stops and joints with dry friction
-/// are closed, and none of them changes between sticking and sliding (D11.29). An object also computes what
-/// happens at the end of a phase: impacts (D11.34), and the next phase by the laws for accelerations
-/// (D11.32). It is the scratch memory of one thread, and most of its functions allocate. Functions that can
-/// fail return the reason, which is otherwise empty.
+/// The motion of a mechanism in one phase (D11.29). In a phase the same contacts and hard stops are closed,
+/// and no contact and no joint with dry friction changes between sticking and sliding. An object also
+/// computes what happens at the end of a phase: impacts (D11.34), and the next phase by the laws for
+/// accelerations (D11.32). It is the scratch memory of one thread, and most of its functions allocate.
+/// Functions that can fail return the reason, which is otherwise empty.
 class ContactPhase {
  public:
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
 
-  /// `model` is SimulationRun::closed_model() of the run.
+  /// `model` has the prescribed motions of the simulation as loop equations, see
+  /// SimulationRun::closed_model().
   ContactPhase(const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Sets the right sides of prescribed motions, rows of the loops, for all later calls (D12.1).
@@ -144,10 +145,11 @@ class ContactPhase {
     std::array<double, LawBlock::most_rows - 1> friction = {};  ///< forces of the friction rows per unit
   };
   void list_touching(const Vector& q, double most);
-  /// Chooses which constraints in the list `closed` of contacts, stops and joints with friction stick and
-  /// which slide, from the velocities v, and removes those that open. The velocity of a constraint is a
-  /// rounding error if it is less than `of_motion` times the largest one that the constraint could have with
-  /// the same kinetic energy. `impacts` receives whether other constraints approach.
+  /// Chooses from the velocities v which constraints in the list `closed` of contacts, stops and joints with
+  /// friction stick and which slide. Removes the contacts and stops that open because their distance
+  /// increases. `impacts` receives whether the distance of a contact or stop in the list decreases, so that
+  /// there is an impact. The velocity of a constraint is a rounding error if it is less than `of_motion`
+  /// times the largest one that the constraint could have with the same kinetic energy.
   void select_slow(const Vector& v, double of_motion, bool& impacts);
   std::string find(const Vector& q);  ///< finds all points of contact at q
   const ContactPoint* point(std::uint64_t key) const;
@@ -159,10 +161,11 @@ class ContactPhase {
   std::string set_motion(const Vector& q, const Vector& v, const Forces& forces);
   bool has_friction(std::size_t k) const;
   double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
-  /// Writes the direction of the present velocities of a contact in its friction rows, multiplied by their
-  /// coefficients, to `s`, and returns their norm. The component across the direction that is stored for the
-  /// contact is made smaller by `resolution`, because friction amplifies errors of the direction near rest
-  /// (D11.29a).
+  /// Writes the direction of the present sliding velocity of a contact to `s`, and returns the norm of this
+  /// velocity. Its components are the velocities in the friction rows of the contact, multiplied by the
+  /// coefficients of friction. For the direction, the component across the direction that is stored for the
+  /// contact is shortened by `resolution` (m/s), at most to 0, because friction amplifies errors of the
+  /// direction near rest (D11.29a).
   double direction(std::size_t k, double* s) const;
   /// The components of the stored direction of a contact in the axes of its friction rows.
   std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;

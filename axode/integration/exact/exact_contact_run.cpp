@@ -359,9 +359,10 @@ void ExactContactRun::add_event(const ContactPhase::Impact& it, double t) {
                                        .shortened = it.shortened});
 }
 
-/// Adds events for all contacts, stops and joints with friction that have changed from `before` to now: that
-/// closed, opened, began or ceased to slide. `met` are the impacts, and `stopped` says which of `before`
-/// ceased to slide.
+/// Adds an event at time t for each contact, stop and joint with friction that has closed, opened, or begun,
+/// ceased or reversed sliding, between the list `before` and the present list of closed constraints. `met`
+/// are the impacts at this time. stopped[k] says whether the sliding velocity of constraint k of `before` has
+/// become 0.
 void ExactContactRun::note_changes(double t, const std::vector<ClosedConstraint>& before,
                                    const std::vector<ContactPhase::Impact>& met,
                                    const std::vector<char>& stopped) {

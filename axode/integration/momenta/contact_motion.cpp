@@ -146,8 +146,10 @@ Failure ContactMotion::take(double t_1, ComputedContactStep& step) {
   return {};
 }
 
-/// The errors of a step of length h: the root mean square of the differences between the whole step and its
-/// halves or, if larger, `unresolved`, an error by slip that the differences do not show.
+/// The errors of a step of length h, as multiples of the tolerances: the root mean square of the differences
+/// between the ends of the whole step and of its two halves or, if larger, the displacement `unresolved` (m).
+/// By this displacement the end may be wrong because a contact began to stick at an unknown time in the step;
+/// the differences do not show such an error.
 ContactMotion::Difference ContactMotion::difference(const ComputedContactStep& whole,
                                                     const ComputedContactStep& halves, double unresolved,
                                                     double h, const Tolerances& tolerances) {

@@ -60,11 +60,12 @@ class ContactMotion {
   /// Takes equal steps from the present time until the end of the motion; the last one may be shorter.
   void take_steps(double step);
   /// Takes adaptive steps until the end of the motion: computes each step as a whole and in two halves, and
-  /// takes the halves if both agree; otherwise tries a shorter step. Where several contacts share an impact,
-  /// its outcome depends on when it takes place within a step, so that velocities do not agree however short
-  /// the step is. Such a step is taken if they do not agree much better than in a step that was a hundred
-  /// times longer, and if what they differ by moves nothing beyond the tolerances in the step. A step not
-  /// longer than 1e-9 of the duration of the motion is always taken.
+  /// takes the halves if both results agree; otherwise tries a shorter step. If several contacts share an
+  /// impact, the velocities after it depend on its time within the step, so that the velocities of both
+  /// results may differ however short the step is. A step whose results differ is therefore taken under two
+  /// conditions. Its error is at least a quarter of that of a rejected step that was a hundred times longer.
+  /// The positions of both results, with the difference of the velocities acting for the length of the step,
+  /// agree to the tolerances. A step not longer than 1e-9 of the duration of the motion is always taken.
   void take_steps(const Tolerances& tolerances);
   /// Lets a motion that has reached its end continue until a later time (s).
   void continue_until(double until);
@@ -79,7 +80,7 @@ class ContactMotion {
   /// Errors of a step as multiples of the tolerances.
   struct Difference {
     double of_all = std::numeric_limits<double>::infinity();
-    double of_places = of_all;  ///< without those of velocities, but for what they move in the step
+    double of_places = of_all;  ///< positions alone, with those of velocities times h
   };
   StepEnd present() const { return {.q = run_.q, .v = run_.v, .x = run_.drives().x}; }
   Failure take(double t_1, ComputedContactStep& step);

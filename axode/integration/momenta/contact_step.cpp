@@ -339,8 +339,9 @@ double ContactStep::law_error() {
   return axode::certificate(problem, start_.lambda.data(), scratch_.data());
 }
 
-/// The part of law_error() that rounding errors of places may cause, from which velocities over a step
-/// follow.
+/// The part of law_error(), the residual of the laws of contact at the start of the step, that rounding
+/// errors of positions may cause. The velocities in these laws are differences of gaps divided by the length
+/// h of the step, so that rounding errors of positions enter them divided by h.
 double ContactStep::rounding_error(double h) const {
   const double size = start_.system.problem().w.norm() + start_.x.norm();
   if (!(size > 0)) return 0;
@@ -402,9 +403,9 @@ Failure ContactStep::land(double t, double h) {
   return {};
 }
 
-/// Computes the work of all impulses of the step, each by the mean of the velocities before and after it. The
-/// impulses of prescribed motions count without their drives' work, which is that at the prescribed
-/// velocities.
+/// Computes the work (J) of the impulses of the step, except the normal ones of compliant contacts: each
+/// impulse times the mean of the velocities before and after it. For a prescribed motion the impulse times
+/// the prescribed velocity, which is the work of its drive, is subtracted.
 Failure ContactStep::work(double t, double& sum) {
   sum = 0;
   between_.resize(start_.rows());

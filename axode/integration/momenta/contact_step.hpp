@@ -13,22 +13,24 @@ namespace axode {
 
 /// One step of a motion with contact (D11.12): impulses at its start, the motion without contact by the
 /// midpoint rule, and impulses at its end, which make the velocities obey the laws of contact. The impulses
-/// at the start are those with which gaps and loops are closed at the end of the step and sticking contacts
-/// do not slide in its middle. Prescribed motions are loops with right sides (D12.1).
+/// at the start have three effects: rigid contacts do not begin to overlap in the step, loops are closed at
+/// its end, and sticking contacts do not slide in its middle. Prescribed motions are loops whose equations
+/// have functions of time as right sides (D12.1).
 class ContactStep {
  public:
   using Vector = Eigen::VectorXd;
 
-  /// `model` is ContactSimulationRun::closed_model() of the run. `dry_friction` says whether the dry friction
-  /// of joints acts.
+  /// `model` has the prescribed motions of the simulation as loop equations, see
+  /// ContactSimulationRun::closed_model(). `dry_friction` says whether the dry friction of joints acts.
   ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. x_0 are the states
   /// of the drives, whose statuses and inputs do not change in the step. A step that violates the laws of
   /// contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16 parts. Allocates
-  /// only if there are more than 64 contacts and more than ever before, and in the first step that needs
-  /// Newton's matrix. Fails if the mass matrix is singular, a number is not finite, there are too many points
-  /// of contact, or the caller's monitor ends the motion.
+  /// only if there are more than 64 contacts and more than ever before, and in the first step in which the
+  /// iteration of the midpoint rule needs the Jacobian matrix of its equations (D8.6). Fails if the mass
+  /// matrix is singular, a number is not finite, there are too many points of contact, or the caller's
+  /// monitor ends the motion.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0 = {});
 
   /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.
@@ -38,8 +40,8 @@ class ContactStep {
 
   Vector q, v, drive_states;  ///< state at the end of the step
   /// The relative error of the laws of contact in the step: the velocities that the error of the impulses
-  /// causes, divided by all velocities, both measured by √(vᵀ M v) with the mass matrix M. Rounding errors of
-  /// places do not count.
+  /// causes, divided by all velocities, both measured by √(vᵀ M v) with the mass matrix M. An error that is
+  /// not larger than the effect of rounding the positions does not count.
   double certificate = 0;
   bool touched = false;  ///< whether an impulse acted
   /// The displacement (m) by which the end of the step may be wrong because a contact began to stick in it.
@@ -64,8 +66,10 @@ class ContactStep {
         : system(model, rows, capacity, dry_friction), x(model.nv()), v(model.nv()) {}
     std::size_t rows() const { return system.problem().r.size(); }
   };
-  /// First guesses for the multipliers of a contact at the start and at the end of the next step: those of a
-  /// step or, at the start, their extrapolation from two steps; and those at the start of the last step.
+  /// The multipliers of a contact that are stored for the next step. `guess` has the first guesses for those
+  /// at the start and at the end of the next step: the multipliers of the last step or, at the start, their
+  /// extrapolation from the last two steps. `start` has the multipliers at the start of the last step,
+  /// without extrapolation.
   struct Remembered {
     using Multipliers = std::array<double, LawBlock::most_rows>;
     std::uint64_t key;

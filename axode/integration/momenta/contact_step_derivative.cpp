@@ -125,8 +125,9 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
 }
 
 /// Computes the relative velocities at the contacts in the middle of a substep (a step or a part of one),
-/// between the impulses at its ends, and their changes. Their axes are those at the start, turned so that the
-/// first one is the normal in the middle.
+/// between the impulses at its ends, and the changes of these velocities: along the directions of
+/// differentiation at constant multipliers of the impulses at the start, and then by each multiplier. The
+/// axes of a contact are those at the start, turned so that the first one is the normal in the middle.
 bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& start, const Flight& flight,
                                       Slip& out) {
   const int width = system_.contact_rows();
@@ -152,7 +153,8 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
 }
 
 /// Computes the velocities u at contacts, stops, dry friction and loops that obey the laws of contact
-/// together with the impulses at the start of the step (D11.13), and the changes du of u (D11.21).
+/// together with the impulses at the start of the step (D11.13), and the changes du of u (D11.21): along the
+/// directions of differentiation at constant multipliers of these impulses, and then by each multiplier.
 bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const Start& start,
                                                   const Flight& flight, const Slip& middle, Vector& u,
                                                   Matrix& du) {

@@ -16,8 +16,9 @@
 namespace axode {
 
 /// Directions for the derivative of a step with contact: changes of drive forces, of the surfaces of shapes
-/// and of the parameters of the mechanism, a column for each of k directions. `tau` has nv rows; the other
-/// matrices have a row for each shape, or are empty if surfaces do not change.
+/// and of the parameters of the mechanism, a column for each of k directions. `tau` has nv rows. `friction`,
+/// `restitution` and `thickness` have a row for each shape, or are empty if surfaces do not change. The
+/// matrices in `parameters` have columns for the last p directions alone, or are empty.
 struct ContactDirections {
   Eigen::MatrixXd tau;             ///< drive forces, nv × k
   Eigen::MatrixXd friction;        ///< coefficient of sliding friction
@@ -57,9 +58,10 @@ class ContactStepDerivative {
     Matrix M, Mv_q, F_q, F_v;
     Eigen::LLT<Matrix> factor;
   };
-  /// A floating base in a substep (a step or a part of one): the velocity u of its centre of mass, which is
-  /// that of the moving frame to which its coordinates are relative, and the changes du of u along the
-  /// directions of differentiation.
+  /// A floating base in a substep (a step or a part of one). Its coordinates are relative to a moving frame.
+  /// This frame begins with the velocity u that the centre of mass of the base with its subtree has after the
+  /// impulses at the start, and falls with gravity. du are the changes of u along the directions of
+  /// differentiation.
   struct Base {
     int body;
     Eigen::Index first;
@@ -70,8 +72,10 @@ class ContactStepDerivative {
     Eigen::Matrix3Xd turn;    ///< rotations by geometric parameters, in inertial axes; 3 × p or empty
     Eigen::Matrix3Xd center;  ///< changes of the centre of mass at the start by parameters, 3 × p or empty
   };
-  /// The contacts in one configuration: for each of them point, normal and gap with their derivatives,
-  /// whether it was found, its axes, and the changes of all these along the directions of differentiation.
+  /// The contacts in one configuration. For each of them: the point, the normal and the gap with their
+  /// derivatives by a displacement of one body relative to the other, whether the contact was found in this
+  /// configuration with a gap below the margin, its axes, and the changes of the point, the normal, the gap
+  /// and the axes along the directions of differentiation.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};
@@ -119,8 +123,9 @@ class ContactStepDerivative {
   /// Finds the points, normals and gaps of contacts with gaps up to `margin`, and their changes along the
   /// directions of differentiation. Returns false if a contact has no formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
-  /// The changes (rows × k) of the factors that scale the multipliers: for friction they are the coefficients
-  /// of friction. `friction` has the changes of these coefficients for each shape.
+  /// The changes of the factors that scale the multipliers, a row for each multiplier and a column for each
+  /// direction of differentiation. For friction these factors are the coefficients of friction, and
+  /// `friction` has the changes of the coefficients of each shape.
   Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                              const Matrix& friction) const;
   /// The changes of a contact by the displacements of its shapes on their bodies (p columns).
@@ -132,15 +137,19 @@ class ContactStepDerivative {
   void set_axes(const std::vector<Contact>& contacts, Rows& out);
   Impulses set_rows(const Vector& q, const std::vector<Contact>& contacts, double h, double stop_margin,
                     const std::vector<double>& lambda);
-  /// Changes (nv × k) of Jᵀ λ along the directions for constant λ = `physical`, J the constraint Jacobian.
+  /// The changes of Jᵀ λ, nv rows and a column for each direction of differentiation, for constant impulses λ
+  /// = `physical` of the constraints with the Jacobian J.
   Matrix impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Matrix& dq);
-  /// The changes (rows × k) of J x along the directions for the constraint Jacobian J and constant velocities
-  /// x; writes J x to `u`. The motion of the bodies at (q, x) must have been computed.
+  /// The changes of J x for constant velocities x and the constraint Jacobian J, a row for each constraint
+  /// and a column for each direction of differentiation. Writes J x to `u`. The motion of the bodies at (q,
+  /// x) must have been computed.
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);
-  /// The changes along k directions of the predicted velocities in the loop constraints. They determine the
-  /// impulses of those loops that are rolling contacts, which constrain velocities alone.
+  /// The changes, along the directions of differentiation, of the velocities in the loop constraints that
+  /// follow from the velocities before the step by the impulses at its start and half a step under gravity,
+  /// at the configuration q_0. The impulses of rolling contacts, which constrain velocities alone, are those
+  /// with which these velocities are 0.
   Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
                          const Matrix& dq, const Matrix& dv);
   Matrix Ad_transpose(const Vector& y, Matrix x) const;

@@ -99,9 +99,11 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
   return e;
 }
 
-/// Adds the changes, at a time after the start of a substep (a step or a part of one), of the moving frames
-/// to which the coordinates of floating bases are relative: those of their positions, multiplied by of_place,
-/// to dq, and those of their velocities, multiplied by of_velocity, to dv.
+/// Adds the changes of the moving frames of floating bases along the directions of differentiation, at `time`
+/// (s) after the start of a substep (a step or a part of one). The coordinates of floating bases are relative
+/// to these frames. dq receives the changes of their positions, of_place times the changes of their
+/// velocities at the start: of_place is `time`, or 0 to leave them out. dv receives the changes of their
+/// velocities times of_velocity, 1 or 0.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);
@@ -144,10 +146,11 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
   return du.bottomRows(model_.loops().rows);
 }
 
-/// Computes, in the middle of a substep, the derivatives f_q and f_v by q and v of the forces ∂T/∂q - ad_vᵀ M
-/// v of the kinetic energy T plus gravity, springs and damping, relative to the moving frames of floating
-/// bases. Adds to df the changes of the forces by parameters of the mechanism, which parameter_changes_ has,
-/// and those of the spring forces by the motion of the frames.
+/// Computes, in the middle of a substep, the derivatives f_q and f_v by q and v of the forces f = ∂T/∂q -
+/// ad_vᵀ M v plus gravity, springs and damping, with the kinetic energy T. For floating bases, q and v are
+/// relative to their moving frames. Adds to df the changes of f at constant q and v, along the directions of
+/// differentiation: those by the parameters of the mechanism, from parameter_changes_, and those of the
+/// forces of springs. Springs depend on poses in the inertial frame, which change with the moving frames.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;

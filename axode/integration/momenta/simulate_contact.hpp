@@ -13,11 +13,12 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});
 
-/// The check of rollouts with contact: throws std::invalid_argument if the shapes are not those of the model,
-/// and for prescribed motions and couplings with play.
+/// Checks the arguments of rollouts with contact: throws std::invalid_argument if the shapes are not those of
+/// the model, and for prescribed motions and couplings with play.
 void check_contact(const Model& model, const ContactShapes& shapes);
-/// The check of simulations with contact by the method with this name: throws std::invalid_argument if the
-/// shapes are not those of the model, for couplings with play, and for coordinates that are not the default.
+/// Checks the arguments of a simulation with contact: throws std::invalid_argument if the shapes are not
+/// those of the model, for couplings with play, and for coordinates in `options` that are not the default.
+/// `method` is the name of the simulation method in messages.
 void check_contact_simulation(const char* method, const Model& model, const ContactShapes& shapes,
                               const SimulationOptions& options);
 

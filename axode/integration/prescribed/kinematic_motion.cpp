@@ -45,8 +45,8 @@ class KinematicSolver {
         rows_(model_.loops().rows),
         forces_(model_.nv()) {}
 
-  /// Moves q by Newton's method to a configuration that closes the loops and follows the motions at time t.
-  /// Returns false if this fails or if the displacements add up to more than `reach` (rad or m).
+  /// Moves q by Newton's method to a configuration that closes the loops and follows the prescribed motions
+  /// at time t. Returns false if this fails or if the displacements add up to more than `reach` (rad or m).
   bool close(double t, double reach, Vector& q) {
     motions_.impose(t, system_);
     const Vector before = q;
@@ -96,7 +96,8 @@ class KinematicSolver {
     at.jerk = factor.solve(s_3 - by_q * at.v - by_v * at.a);
     freedom_ = nv - factor.rank();
   }
-  /// The number of velocities that loops and motions leave undetermined, at the last differentiate().
+  /// The number of velocities that loops and prescribed motions leave undetermined, at the last
+  /// differentiate().
   Eigen::Index freedom() const { return freedom_; }
 
   /// Advances the state `at` to a later time t, in as many steps as needed. `whole` is the duration of the

@@ -81,8 +81,8 @@ void Samples::differentiate_by_splines() {
 
 /// Computes v and a of the joints with several velocities by polynomial interpolation of neighbouring
 /// samples. Near sample k at the time t_k, the motion is q = (q_k ⊕ (t - t_k) z) ⊕ x(t), where z is the mean
-/// velocity between two samples and x(t) a polynomial with x(t_k) = 0. Hence v = z + x' and a = x'' - [x', z]
-/// at this sample.
+/// velocity between samples k and k + 1 (or k - 1 and k, for the last sample) and x(t) a polynomial with
+/// x(t_k) = 0. Hence v = z + x' and a = x'' - [x', z] at this sample.
 void Samples::differentiate_on_group() {
   const ConfigurationGroup<double> group(model.tree<double>());
   if (group.commutes()) return;

@@ -30,9 +30,9 @@ Trajectory trajectory_from_samples(const Model& model, std::span<const double> t
 /// closed. O(n) for each time.
 ///
 /// Throws std::invalid_argument for fewer than two times, times that do not increase, a wrong size of q,
-/// numbers that are not finite, and quaternions that are not of unit norm; also for a motion of a rod, a
-/// coupled joint or a joint of several velocities, for a second motion of one joint, and if a function is not
-/// known at all times.
+/// numbers that are not finite, and quaternions that are not of unit norm; also for the motion of a rod,
+/// which prescribes its length, of a coupled joint or of a joint of several velocities, for a second motion
+/// of one joint, and if a function is not known at all times.
 Trajectory trajectory_from_functions(const Model& model, std::span<const double> t,
                                      std::span<const PrescribedMotion> motions,
                                      std::span<const double> q = {});

@@ -20,9 +20,9 @@ class StraightPath {
     double length;  ///< the largest |X_c| of its velocities, rad or m
   };
 
-  /// Computes the path. Throws std::invalid_argument for wrong sizes, numbers that are not finite,
-  /// quaternions that are not of unit norm, and a goal outside the limits of the joints; the start may be
-  /// outside.
+  /// Computes the path from `start` to `goal` on which every joint moves along its geodesic. Throws
+  /// std::invalid_argument for wrong sizes, numbers that are not finite, quaternions that are not of unit
+  /// norm, and a goal outside the limits of the joints; the start may be outside.
   StraightPath(const Model& model, std::span<const double> start, std::span<const double> goal);
 
   const Model& model() const { return model_; }
@@ -44,8 +44,9 @@ class StraightPath {
   /// `side` chooses the values before the jump (-1) or after it (1).
   using Profile = std::function<void(double t, int side, std::span<MotionValue> distances)>;
   /// Computes the trajectory on which joints move along their paths as `profile` says. It has at least fifty
-  /// steps, and states at all times in `jumps`, where a second or third derivative jumps; in between, it is
-  /// exact for distances that are polynomials of degree 5 in time. If no joint moves, it has one state.
+  /// steps, and states at all times in `jumps`, where a second or third derivative of the distances that
+  /// `profile` writes jumps. Between its states, the trajectory is exact if these distances are polynomials
+  /// of degree 5 in time. If no joint moves, it has one state.
   Trajectory follow(std::vector<double> jumps, double duration, const Profile& profile) const;
 
   /// Two jumps whose distance in time is less than this part of the duration are taken as one.

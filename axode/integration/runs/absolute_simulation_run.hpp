@@ -146,8 +146,8 @@ class AbsoluteSimulationRun {
   bool accelerations_jumped() const { return run_.accelerations_jumped(); }
   void begin_step() { weakest_row_ = 1; }
   double weakest_row() const { return weakest_row_; }
-  /// Appends the state at the end of a step, with the states x_end of the drives, to the trajectory without
-  /// projection onto closed joints.
+  /// Appends the state at the end of a step, with the states x_end of the drives, to the trajectory. The
+  /// state is not projected, so that it must already obey the constraints of joints and loops.
   Failure take_closed(double t, Span q_end, Span v_end, const Eigen::VectorXd& x_end) {
     bodies_.to_joint_state(q_end, v_end, q_joints_, v_joints_);
     bodies_.set_reference_angles(q_joints_);

@@ -35,8 +35,8 @@ class ContactSimulationRun : public MomentumSimulationRun {
     drives_.x = x_1;
     trajectory.append(t, q_1, v_1, as_span(a), as_span(tau_), as_span(drives_.x), as_span(drives_.dx));
   }
-  /// Takes the present state of another motion of the same mechanism, and its matrix and first guess for the
-  /// next step.
+  /// Takes the present state of another motion of the same mechanism, the matrix with which the iteration of
+  /// its midpoint rule solves, and its first guess for the velocities of the next step.
   void continue_from(const ContactSimulationRun& other) {
     a = other.a;
     drives_ = other.drives_;
@@ -58,8 +58,9 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return finite(q_t) && finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
 
-  /// Fails if the loops are open, or prescribed motions are not followed, at q_t and time t, or if the
-  /// certificate of the step shows that contacts block the motions.
+  /// Fails if the loops are open, or prescribed motions are not followed, at q_t and time t. With prescribed
+  /// motions, also fails if `certificate`, the relative error of the laws of contact in the step, is above
+  /// 0.1, because contacts then block these motions.
   Failure check_closed(double t, const Vector& q_t, double certificate) {
     if (!loops_) return {};
     constexpr double blocked = 0.1;  // a certificate with which no step makes sense
