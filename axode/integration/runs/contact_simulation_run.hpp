@@ -35,8 +35,8 @@ class ContactSimulationRun : public MomentumSimulationRun {
     drives_.x = x_1;
     trajectory.append(t, q_1, v_1, as_span(a), as_span(tau_), as_span(drives_.x), as_span(drives_.dx));
   }
-  /// Takes the present state of another motion of the same mechanism, the matrix with which the iteration of
-  /// its midpoint rule solves, and its first guess for the velocities of the next step.
+  /// Takes the present state of another motion of the same mechanism, the matrix with which its iteration
+  /// solves a step, and its first guess for the next step.
   void continue_from(const ContactSimulationRun& other) {
     a = other.a;
     drives_ = other.drives_;
@@ -75,8 +75,10 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {t, "contacts, stops or loops block the prescribed motion of " + moved};
   }
 
-  /// The inertia that springs, dampers and drives seem to add to each velocity in steps of length h, as far
-  /// as it was needed in the last step, or null.
+  /// The inertia that springs, dampers and drives seem to add to each velocity in a step of length h (nv
+  /// numbers): the diagonal of Newton's matrix minus that of the mass matrix, or 0 where this difference is
+  /// negative. Null if the iteration of the last step did not use Newton's matrix, or if that step had
+  /// another length than h.
   const double* resistance(double h) const { return midpoint_.resistance(h); }
 
   /// Begins a step of length h at time t, from the state (q_0, v_0) before impulses and the states x_0 of the
@@ -94,11 +96,13 @@ class ContactSimulationRun : public MomentumSimulationRun {
     flown_ = false;
     midpoint_.renew_matrix();
   }
-  /// Computes the free motion of the step from the joint momenta p_a = M(q_0) v_a after impulses by the
-  /// midpoint rule (D8.5). Writes the configuration and velocities in the middle to q_middle and v_middle,
-  /// and the configuration at the end to q_end. Later motions of a step begin with the result of the one
-  /// before. Velocities may have the error `enough`, in parts of their magnitude; is_exact() says whether
-  /// this is a rounding error.
+  /// Computes the motion between the impulses at the two ends of the step by the midpoint rule (D8.5). It
+  /// begins at the configuration q_0 of begin() with the joint momenta p_a = M(q_0) v_a, where v_a are the
+  /// velocities after the impulses at the start. Writes the configuration and velocities in the middle of the
+  /// step to q_middle and v_middle, and the configuration at the end to q_end. It is called again in the same
+  /// step whenever these impulses have been corrected; its iteration then starts from the previous result.
+  /// The iteration ends when it changes the velocities by at most `enough` times their magnitude; is_exact()
+  /// says whether only a rounding error remains.
   Failure fly(const Vector& p_a, double enough) {
     FloatingBases& bases = this->bases();
     p_before_.swap(p_0_);
@@ -129,8 +133,9 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
   bool is_exact() const { return midpoint_.is_exact(); }
-  /// Computes the velocities v_end at the end of the last motion of the step. Momenta of floating bases are
-  /// exact to rounding under gravity. v_0 are the velocities of begin().
+  /// Computes the velocities v_end at the end of the step, before the impulses there, from the result of the
+  /// last call of fly(). v_0 are the velocities at the start of the step, before the impulses there. Momenta
+  /// of floating bases are exact to rounding under gravity.
   Failure arrive(const Vector& v_0) {
     FloatingBases& bases = this->bases();
     change_ = v_middle - v_0;
@@ -141,8 +146,9 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
 
-  /// Computes the states x of the drives at the end of the last step of begin(), which began at time t at q_0
-  /// with the states x_0, by (D17.7b). v_0 and v_1 are the velocities before and after all impulses.
+  /// Computes the states x of the drives at the end of the present step by (D17.7b). The step has the length
+  /// h and starts at time t at the configuration q_0 with the drive states x_0. v_0 are the velocities at its
+  /// start before the impulses there, and v_1 those at its end after the impulses there.
   void advance_drives(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& v_1,
                       const Vector& x_0, Vector& x) {
     if (drives_.empty()) return;

@@ -10,9 +10,8 @@
 
 namespace axode {
 
-/// The states of the drives of a motion during its integration. Forces are evaluated with the states that
-/// were set for the present time or, in an implicit step, with those that the drives have at the end of the
-/// step.
+/// The states of the drives of a motion during its integration. Forces are evaluated with the drive states
+/// that were set last or, in an implicit step, with those that solve the equation of the step.
 class DriveStates {
  public:
   using Vector = Eigen::VectorXd;
@@ -28,22 +27,24 @@ class DriveStates {
   const Vector& nominal() const { return nominal_; }
   std::vector<std::string> names() const;
 
-  /// Sets the states x and the statuses of the drives at time t, the start of a motion. If `given` is empty,
-  /// the drives choose x. Throws std::invalid_argument for a wrong size or a number that is not finite.
+  /// Sets the states x of the drives at time t, the start of a motion, and their statuses, the integers that
+  /// say which form of each drive's law holds. If `given` is empty, the drives choose x. Throws
+  /// std::invalid_argument for a wrong size or a number that is not finite.
   void start(double t, Span q, Span v, Span given);
   /// Sets the states with which forces are evaluated from now on, and ends an implicit step.
   void act_at(Span x_t);
-  /// Begins an implicit step of length h of the generalised-α method (D17.6). Until the states are set for
-  /// another time, forces at any (q, v) are evaluated with the states that the drives would have if the step
-  /// ended there.
+  /// Begins an implicit step of length h of the generalised-α method (D17.6) from the present drive states.
+  /// Until act_at() sets the drive states, every evaluation of forces at a (q, v) assumes that this is the
+  /// state of the mechanism at the end of the step, and solves for the drive states there.
   void begin_implicit_step(double h, double spectral_radius);
-  /// Begins a step of length h of the implicit midpoint rule from the states x_0 (D17.7a). Until the states
-  /// are set for another time, forces at any (q, v) are evaluated with the states x_m in the middle of the
-  /// step, if (q, v) is there.
+  /// Begins a step of length h of the implicit midpoint rule from the drive states x_0 (D17.7a). Until
+  /// act_at() sets the drive states, every evaluation of forces at a (q, v) assumes that this is the state of
+  /// the mechanism in the middle of the step, and solves for the drive states x_m there.
   void begin_midpoint_step(double h, const Vector& x_0);
-  /// Begins a step of length h of the trapezoidal rule (D17.7a) from the states and rates of the last
-  /// evaluation. Until the states are set for another time, forces at any (q, v) are evaluated with the
-  /// states at its end.
+  /// Begins a step of length h of the trapezoidal rule (D17.7a) from the drive states and rates in the last
+  /// evaluation of forces. Until act_at() sets the drive states, every evaluation of forces at a (q, v)
+  /// assumes that this is the state of the mechanism at the end of the step, and solves for the drive states
+  /// there.
   void begin_trapezoidal_step(double h) { begin_stage(h / 2, x_t_ + h / 2 * dx_t_, x_t_); }
   /// Computes the states x_1 = 2 x_m - x_0 of the drives at the end of a step of the midpoint rule, from the
   /// states x_0 at its start and x_m in its middle. x_1 may have the memory of x_0.
@@ -63,9 +64,10 @@ class DriveStates {
   static constexpr double stage = 1 - 0.5 * std::numbers::sqrt2;
   /// The states in the last evaluation of forces.
   Span states() const { return {x_t_.data(), size()}; }
-  /// accept_implicit_step() stores the mean rates of the drive states at the end of a step of the
-  /// generalised-α method, with which the next step starts. restart() replaces them by the present rates,
-  /// after a jump.
+  /// The generalised-α method starts each step with an auxiliary variable ŵ, a mean of rates of the drive
+  /// states (D17.6). accept_implicit_step() stores the ŵ at the end of a step for the next one. restart()
+  /// sets ŵ to the present rates of the drive states, at the start of a motion and after a jump of
+  /// accelerations.
   void accept_implicit_step();
   void restart() { mean_0_ = dx; }
   /// Adds the derivatives of the drive forces by q and v at the last evaluation to by_q and by_v (nv × nv).
@@ -84,9 +86,10 @@ class DriveStates {
   double least_margin(double t, Span q, Span v, Span x_t) { return system_.least_margin(t, q, v, x_t); }
   /// Applies jumps of inputs and changes of statuses that are due at time t. Returns whether there was one.
   bool switch_at(double t, Span q, Span v);
-  /// Whether the change of statuses that is due at the end (q_1, v_1) of a step of length h to time t, with
-  /// the states x_1, changes rates or states by more than 1e-9 of their size in a step. Writes the change of
-  /// the drive forces to dtau.
+  /// Whether the change of statuses that is due at the end of a step alters a drive state, or its rate times
+  /// h, by more than 1e-9 of the size of the state. A status is the integer that says which form of a drive's
+  /// law holds. The step has the length h and ends at time t in the state (q_1, v_1) of the mechanism with
+  /// the drive states x_1. Writes the change of the drive forces to dtau (nv numbers).
   bool jumps_at(double t, double h, Span q_1, Span v_1, const Vector& x_1, Vector& dtau);
 
   Vector x, dx;  ///< present states and their rates

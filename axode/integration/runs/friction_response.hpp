@@ -13,9 +13,10 @@ class FrictionResponse {
  public:
   using Span = std::span<const double>;
 
-  /// Computes the friction of joints that stick and of gears with losses, and adds its effect to the
-  /// accelerations a (nv numbers), which were computed without it at (q, v). `loops` is null if the mechanism
-  /// has no loops. Fails if a gear locks itself too strongly; the result then contains its body.
+  /// Computes the friction of joints that stick and of gears with losses at (q, v), and adds its effect to
+  /// the accelerations a (nv numbers), which were computed without it. `loops` is null if the mechanism has
+  /// no loops. Fails if a gear locks itself so strongly that there are no or several accelerations (D9.12);
+  /// the result then contains the body that the joint of this gear moves.
   [[nodiscard]] Solvability apply(const Model& model, Workspace<>& workspace, ClosedMotion* loops,
                                   DryFriction& friction, const EnergyNorm& norm, Span q, Span v,
                                   Span through_gears, std::span<double> a);

@@ -10,7 +10,7 @@
 namespace axode {
 
 /// A motion that is integrated in configurations q and momenta p = M v. The coordinates of floating bases are
-/// relative to moving frames, which fall with gravity.
+/// relative to moving frames, which do not rotate and fall with gravity.
 class MomentumSimulationRun : public SimulationRun {
  public:
   MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,
@@ -30,8 +30,9 @@ class MomentumSimulationRun : public SimulationRun {
     momenta(model_, workspace_, Span(as_span(q_0)), as_span(v_0), as_span(p_0));
   }
 
-  /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L, at time t and a state
-  /// (q_t, v_t) relative to the frames that move with the floating bases.
+  /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L, at time t and the
+  /// state (q_t, v_t). The coordinates and velocities of floating bases in this state are relative to moving
+  /// frames, which do not rotate and fall with gravity.
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     q_t_ = q_t;
     v_t_ = v_t;
@@ -63,8 +64,9 @@ class MomentumSimulationRun : public SimulationRun {
   Failure checked(double t, const Solvability& found) const {
     return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
   }
-  /// close() projects p onto momenta that keep the loops closed and follow the prescribed motions at time t,
-  /// close_places() projects q onto such configurations.
+  /// close() projects p onto the momenta that keep the loops closed and follow the prescribed motions at time
+  /// t. close_places() projects q onto the configurations in which the loops are closed and the joints and
+  /// rods are where the prescribed motions have them at time t.
   Failure close(double t, const Vector& q_t, Vector& p) {
     if (!loops_) return {};
     loops_->set_time(t);
@@ -78,7 +80,8 @@ class MomentumSimulationRun : public SimulationRun {
   /// Whether a load or drive acted on a floating base in the last evaluation of forces.
   bool pushes_bases() const { return pushes_bases_; }
   /// Appends the end of a step, a state (q, p) with the states x of the drives, to the trajectory. The
-  /// coordinates and momenta of floating bases are relative to frames that move with them.
+  /// coordinates and momenta of floating bases are relative to moving frames, which do not rotate and fall
+  /// with gravity.
   Failure take_momenta(double t, const Vector& q_t, const Vector& p, const Vector& x) {
     Vector q_1 = q_t, v_1, a_1(p.size());
     if (Failure failure = velocity(t, q_t, p, v_1)) return failure;

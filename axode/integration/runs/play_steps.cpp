@@ -98,9 +98,10 @@ double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   return t_1;
 }
 
-/// Shortens a step in which a play (backlash) reaches or leaves an end, so that it ends just after this: t_1
-/// and `end` receive its new end, and `reserve` has for each play a number that is negative at the end if it
-/// has changed.
+/// Shortens a step in which a play (the backlash of a coupling) reaches or leaves one of its two ends, so
+/// that the step ends just after this change. t_1 and `end` are the time and the state at the end of the
+/// step, and `reserve` has a number for each play that is negative if the play must open or close at t_1. All
+/// three are those of the whole step before the call, and those of the shorter step after it.
 Failure SimulationRun::find_change(double& t_1, StepEnd& end, const Attempt& attempt,
                                    std::vector<double>& reserve) {
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);

@@ -52,23 +52,26 @@ class Plays {
   /// is allowed to be beyond this end. For a play at an end it is the force with which the end pushes, which
   /// `loops` computed with its last accelerations.
   double reserve(std::size_t k, Span q, const ClosedMotion* loops) const;
-  /// Permits each play (backlash of a coupling) to be as far beyond an end as it is at q, from now on. It is
-  /// called after an event and at the start of a motion. Afterwards no free play must change at q.
+  /// Stores for each play (the backlash of a coupling) how far it is beyond its nearer end at q, and
+  /// tolerates this from now on: a free play closes only if it moves farther beyond the end. It is called
+  /// after an event and at the start of a motion.
   void allow_overshoot(Span q);
-  /// Reduces the overshoot that is allowed for plays that are less far beyond their end at q.
+  /// Reduces the tolerated distances of plays beyond their ends for plays that are less far beyond them at q.
   void reduce_overshoot(Span q);
 
   /// Starts a motion at (q, v). Plays (backlash of couplings) that are at an end and move against it have an
   /// impact, which changes v. Returns the events of these plays, without times. Throws std::invalid_argument
   /// for a play beyond an end.
   Events start(Span q, std::span<double> v, const Engage& engage);
-  /// Changes the plays (backlash of couplings) whose number in `reserves` is negative; there is a number for
-  /// each play. A free play that moves towards its nearer end has an impact there, which changes v, and a
-  /// play at an end becomes free. Returns the events, without times.
+  /// Changes the plays (backlash of couplings) whose number in `reserves` is negative. This number is the gap
+  /// to the nearer end for a free play, and the force with which the end pushes for a play at an end. A free
+  /// play that moves towards its nearer end has an impact there, which changes v, and a play at an end
+  /// becomes free. Returns the events, without times.
   Events change(Span reserves, Span q, std::span<double> v, const Engage& engage);
-  /// Frees the plays (backlash of couplings) at an end that would have to pull in the last accelerations that
-  /// `loops` computed. Returns their events, without times. If there are any, the caller must make the
-  /// constraint equations anew.
+  /// Frees each play (the backlash of a coupling) whose end would have to pull, because an end can only push.
+  /// The force of the end is the multiplier of the coupling in the last accelerations that `loops` computed.
+  /// Returns the events of these plays, without times. If there are any, the caller must set up the
+  /// constraint equations again.
   Events release_pulled(const ClosedMotion* loops);
 
  private:

@@ -52,19 +52,20 @@ class SimulationRun {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);
   }
   /// Computes the derivatives by q, v and a of the residual of the equations of motion, nv × nv each. The
-  /// derivatives of the forces of the drive in the options are not included.
+  /// derivatives of the drive forces that the function SimulationOptions::drive gives are not included.
   void residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
                             const InverseDynamicsDerivatives<double>& dr);
   bool is_driven() const { return static_cast<bool>(options_.drive); }
-  /// The part of the residual of the equations of motion, with the opposite sign, that is due to the drive in
-  /// the options: its forces τ or, with loops, the accelerations (∂a/∂τ) τ with the last ∂a/∂τ that was
-  /// computed. Entries for velocities that stick by dry friction are 0.
+  /// The part of the residual of the equations of motion, with the opposite sign, that is due to the drive
+  /// forces τ that the function SimulationOptions::drive gives: τ or, with loops, the accelerations (∂a/∂τ) τ
+  /// with the last ∂a/∂τ that was computed. Entries for velocities that stick by dry friction are 0.
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
-  /// The scale against which rounding errors of velocities are judged: the size of the terms from which a
-  /// step of length h computes them. These are the velocities, their changes by gravity and joint forces, and
-  /// a lower bound at rest.
+  /// The scale against which rounding errors of velocities are judged: the size, in the energy norm, of the
+  /// terms from which a step of length h computes the velocities. It is the largest of the norm of the
+  /// velocities v_t, if they are given; the norm of their change by gravity and joint forces in the step; and
+  /// a small part of the norm of the coordinates, divided by h, so that the scale is not 0 at rest.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(v_t), velocity_scale(h));
   }
@@ -94,9 +95,11 @@ class SimulationRun {
   /// Appends the state at the end of a step, with the states x_end of the drives, to the trajectory without
   /// projection onto closed loops.
   Failure take_closed(double t, Span q_end, Span v_end, const Vector& x_end);
-  /// If a discrete status of a drive must change within a step, shortens the step so that it ends just after
-  /// the change: t_1 and `end` change. `end` need not be the result of the last call of `attempt`. With
-  /// `abrupt`, steps are shortened only for changes by which forces, rates or states of drives jump.
+  /// Shortens a step in which a status of a drive must change, so that it ends just after the change. A
+  /// status is the integer that says which form of the drive's law holds. t_1 and `end`, the time and the
+  /// state at the end of the step, become those of the shorter step; the last call of `attempt` may have been
+  /// for another time. If `abrupt` is true, steps are shortened only for changes by which forces, rates or
+  /// states of drives jump.
   Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt, bool abrupt = false);
   /// Lets the statuses and inputs of the drives change at the present time, and computes accelerations anew.
   Failure switch_drives();
@@ -115,8 +118,8 @@ class SimulationRun {
     const double t = std::min(t_1, drives_.next_jump(now()));
     return loops_ ? std::min(t, loops_->motions().next_jump(now())) : t;
   }
-  /// The mechanism in which loops and prescribed motions are loop equations, and the right sides of the
-  /// motions' equations at time t (s).
+  /// closed_model() is the model in which prescribed motions are loop equations as well. motion_rows()
+  /// returns the right sides of the equations of the prescribed motions at time t (s).
   const Model& closed_model() const { return loops_ ? loops_->motions().model() : model_; }
   std::span<const PrescribedRow<double>> motion_rows(double t) {
     return loops_ ? loops_->motion_rows(t) : std::span<const PrescribedRow<double>>();
@@ -132,10 +135,11 @@ class SimulationRun {
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
   /// Computes the sum tau (nv) of drive forces, spring forces and, with dry friction, losses of joints.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// Computes for each velocity the inertia that springs, dampers, drives with states and the drive in the
-  /// options seem to add in an implicit step, where a change x of an acceleration changes the coordinate by
-  /// c_x x and the velocity by c_v x. Derivatives of the drive in the options are difference quotients, and
-  /// negative entries are set to 0.
+  /// Computes for each velocity the inertia that springs, dampers and drives seem to add in an implicit step,
+  /// where a change x of an acceleration changes the coordinate by c_x x and the velocity by c_v x: the
+  /// diagonal of -(c_x ∂τ/∂q + c_v ∂τ/∂v) for the forces τ of springs, dampers, drives with states and the
+  /// function SimulationOptions::drive, or 0 where it is negative. The derivatives of this function are
+  /// difference quotients.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 
