@@ -39,10 +39,11 @@ class AndersonIteration {
   /// `norm` measures the first part of x, which must consist of velocities or accelerations.
   explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
-  /// Takes a step of the iteration: x and dx are given in parts, and the next x replaces x. There are two
-  /// ways to converge. Either the first part of dx is a rounding error compared with `size`. Or dx is small,
-  /// it has not halved in four steps, and is_rounding() says that it consists of rounding errors; then x
-  /// becomes the x with the least dx.
+  /// Takes a step of the iteration. x is given in parts, such as velocities and multipliers, each with its
+  /// part of dx, the change of x by the iteration without acceleration. The next x replaces x. The iteration
+  /// has converged if the first part of dx is a rounding error of numbers of the magnitude `size`. It has
+  /// also converged if this part is small, has not halved in four steps, and is_rounding() says that it
+  /// consists of rounding errors. x then becomes the x + dx of the step with the least dx so far.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;

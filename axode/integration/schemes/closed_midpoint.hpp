@@ -14,10 +14,13 @@ namespace axode {
 /// the mass matrix M, and the step length h,
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1, t + h) = 0.
 /// After the step the caller projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = s', with the rates s' of the
-/// motions, 0 for loops. Then the method is symmetric, of second order, and symplectic on the closed
-/// configurations if the midpoint rule is and motions rest. System is the class of the mechanism, with the
-/// functions that Midpoint requires; closed_model(), in which motions are loops, and motion_rows(t), their
-/// right sides; and checked(t, solvability), which returns a Failure at time t if a matrix was singular.
+/// prescribed motions, 0 for loops. Then the method is symmetric, of second order, and symplectic on the
+/// closed configurations if the midpoint rule is and the prescribed motions rest.
+///
+/// System is the class of the mechanism. Its member functions are those that Midpoint requires;
+/// closed_model(), the model in which prescribed motions are loop equations as well; motion_rows(t), the
+/// right sides of the equations of the prescribed motions at time t; and checked(t, solvability), which
+/// returns a Failure at time t if a matrix was singular.
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;

@@ -9,15 +9,22 @@
 namespace axode {
 
 /// A step of the generalised-α method under constraints, on a group with constant mass matrix M (Arnold,
-/// Brüls). Φ are the residuals of joints and loops, B is their Jacobian, λ are the multipliers, and f the
-/// forces. The displacement x of the step to q_1 = q_0 ⊕ x and the velocity v_1 follow from the acceleration
-/// a_1 by the formulas of the method (AlphaMeans). a_1 and the multipliers λ satisfy
-///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = s                    (index 3)
-/// or, stabilised to index 2, with additional multipliers η of positions whose displacement is a multiple
-/// of M⁻¹ Bᵀ η, also B_1 v_1 = s', with the prescribed motions s at the end of the step. Nonholonomic
-/// constraints are imposed on v_1 in both forms, and also on the displacement by η. System is the class of
-/// the mechanism, as for Rattle, with factorize(t, q, v, c_x, c_v) for Newton's matrix; c_x and c_v are the
-/// derivatives of x and v_1 by a_1.
+/// Brüls). Φ are the residuals of joints and loops, B is their Jacobian, λ are the multipliers, f the forces,
+/// and s the prescribed motions at the end of the step, 0 for all other rows. The displacement x of the step
+/// to q_1 = q_0 ⊕ x and the velocity v_1 follow from the acceleration a_1 by the formulas of the method
+/// (AlphaMeans). a_1 and λ satisfy
+///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = s                    (index 3).
+/// The form that is stabilised to index 2 also satisfies B_1 v_1 = s': it has additional multipliers η, and a
+/// multiple of the displacement M⁻¹ Bᵀ η is added to x. Nonholonomic constraints with the Jacobian N require
+/// N v_1 = 0 in both forms and, in the stabilised form, also N M⁻¹ Bᵀ η = 0.
+///
+/// System is the class of the mechanism, for example an AbsoluteSimulationRun. Its member functions are
+/// bodies(), which returns the AbsoluteSystem with M and the constraints; factorize(t, q, v, c_x, c_v), which
+/// factorises Newton's matrix, with the derivatives c_x of x and c_v of v_1 by a_1; factorize_with_rank(t,
+/// q), which factorises M with the constraints and finds the redundant ones; forces(t, q, v, f);
+/// add_turning(v, f), which adds ad_vᵀ M v to f; set_time(t), which lets the residuals follow the prescribed
+/// motions at time t; norm(), the EnergyNorm of velocities; and velocity_scale(v, h), the magnitude against
+/// which rounding errors of v are judged in a step of length h.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
@@ -84,14 +91,15 @@ template <class System> class ConstrainedAlpha {
     return system_->factorize_with_rank(t + h, q);
   }
 
-  /// Replaces the mean accelerations of the last step by the present accelerations a_0, after a jump.
+  /// Replaces the auxiliary acceleration â of the method by the present accelerations a_0, after a jump.
   void restart(const Vector& a_0) { a_ = mean_ = as_eigen(a_0); }
 
   Vector q, v, lambda;
 
  private:
-  /// Computes q, v and the mean acceleration at the end of the step from the acceleration a_1_ and from
-  /// moved_, the displacement M⁻¹ Bᵀ η by multipliers η of the position constraints with the Jacobian B.
+  /// Computes q, v and the auxiliary acceleration â of the method at the end of the step from the
+  /// acceleration a_1_ and from moved_, the displacement M⁻¹ Bᵀ η by multipliers η of the position
+  /// constraints with the Jacobian B.
   void end_with(double h) {
     v_1_.resize(v.size());
     Eigen::Map<Eigen::VectorXd> v_1 = as_eigen(v_1_);

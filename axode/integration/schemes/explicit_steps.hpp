@@ -30,9 +30,10 @@ template <class Run, class Take> void each_step(Run& run, double until, double s
     if (Failure failure = take(k == whole ? until : begin + k * step)) run.stop(failure);
 }
 
-/// Takes equal steps from time 0 to `until`; the last one may be shorter. A step is taken in several parts if
-/// an input of a drive jumps within it. take(t_1) computes a part that ends at t_1 or before. At the ends of
-/// parts the laws of drives may change their forms.
+/// Takes equal steps from the present time to `until`; the last one may be shorter. A step is taken in
+/// several parts if a derivative of a prescribed motion or an input of a drive jumps within it. take(t_1)
+/// computes a part that ends at t_1 or before. If the law of a drive changes its form, for example at a
+/// limit, it does so at the end of a part.
 template <class Run, class Take> void each_part(Run& run, double until, double step, const Take& take) {
   each_step(run, until, step, [&](double t_1) {
     while (run.now() < t_1 && !run.done()) {
@@ -44,9 +45,10 @@ template <class Run, class Take> void each_part(Run& run, double until, double s
   });
 }
 
-/// Advances the motion to t_1, in several steps if a joint begins to stick or slide, the law of a drive
-/// changes its form or a play (backlash) opens or closes, or a prescribed motion or an input jumps, before
-/// t_1. `attempt` computes a step, and after() is called after each step.
+/// Advances the motion to t_1. Takes several steps if, before t_1, a joint begins to stick or slide, the law
+/// of a drive changes its form (for example at a limit), a play (backlash) opens or closes, or a derivative
+/// of a prescribed motion or an input of a drive jumps. `attempt` computes a step, and after() is called
+/// after each step.
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {
@@ -100,10 +102,10 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
   each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
 }
 
-/// Limits of stalling. Steps become ever shorter where a drive force is discontinuous at a state that the
-/// motion does not leave, for example -sign(v) at rest. The motion ends if `stall_window` attempts advance it
-/// by less than `stall_step` (s) each on average, and the rest would take more than `stall_ratio` times as
-/// many.
+/// Limits that end a motion whose steps become ever shorter, because a drive force is discontinuous at a
+/// state that the motion does not leave, for example -sign(v) at rest. The motion ends if `stall_window`
+/// attempts at steps advance the time by less than `stall_step` (s) each on average, and if the time that
+/// remains is more than `stall_ratio` times the time by which they advance.
 inline constexpr int stall_window = 10'000;
 inline constexpr double stall_ratio = 1e5, stall_step = 1e-9;
 inline constexpr const char* jumps =

@@ -39,16 +39,20 @@ class FloatingBases {
     momenta_->run(*kernel_, v);
     for (Root& root : roots_) set_frame(root, momenta_->Pi[root.body].p, wrenches);
   }
-  /// Lets the places of the moving frames be those of the inertial frame at time t, where the configuration
-  /// is q. start() gives them their velocities.
+  /// Begins the motion of the moving frames: lets them coincide with the inertial frame at time t, and
+  /// computes the centres of mass of the floating bases at the configuration q. The coordinates of floating
+  /// bases are relative to these frames, which do not rotate and fall with gravity. start() then sets the
+  /// velocities of the frames.
   void place(double t, const double* q) {
     begin_ = t;
     kernel_->run(*tree_, q);
     for (Root& root : roots_) root.center = center(root.body);
   }
-  /// Gives the moving frames the velocities that belong to the joint momenta p = M v at the configuration of
-  /// the last place(), and converts p from the inertial frame to the moving frames. wrenches: whether
-  /// wrenches act. May be called again.
+  /// Sets the velocities that the moving frames of the floating bases have at the time of the last place(),
+  /// and converts the joint momenta p = M v from the inertial frame to the moving frames. A moving frame does
+  /// not rotate and falls with gravity. At that time its velocity is 0 or, if no wrenches act, that of the
+  /// centre of mass of the floating base. wrenches: whether wrenches act. The function may be called again
+  /// with other momenta.
   void start(bool wrenches, double* p) {
     for (Root& root : roots_) {
       set_frame(root, kernel_->link[root.body].C.R * read<BodyFixed>(root, p).f, wrenches);
@@ -74,8 +78,8 @@ class FloatingBases {
     return false;
   }
 
-  /// to_moving_frame() converts q and v of floating bases at time t from the inertial frame to the frames
-  /// that move with the bases; from_moving_frame() converts them back.
+  /// to_moving_frame() converts q and v of floating bases at time t from the inertial frame to the moving
+  /// frames, which do not rotate and fall with gravity; from_moving_frame() converts them back.
   void to_moving_frame(double t, double* q, double* v) const { add(-1, t, q, v); }
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
   /// Converts q alone from the moving frames to the inertial frame.

@@ -9,7 +9,8 @@
 namespace axode {
 
 /// The equations of the generalised-α method for a step of length h from (q_0, v_0, a_0) to (q_1, v_1, a_1),
-/// with a mean acceleration â at each end and the parameters α_m, α_f, β and γ:
+/// with the auxiliary acceleration of the method, â_0 at the start and â_1 at the end, and the parameters
+/// α_m, α_f, β and γ:
 ///   (1 - α_m) â_1 + α_m â_0 = (1 - α_f) a_1 + α_f a_0,   v_1 = v_0 + h ((1 - γ) â_0 + γ â_1),
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1),   q_1 = q_0 ⊕ x.
 /// With c = (1 - α_f) / (1 - α_m), the derivatives by a_1 are h γ c for v_1 and h² β c for x.
@@ -90,15 +91,16 @@ template <class System> class GeneralizedAlpha {
     }
     return {t, "Newton's method did not converge; a shorter step may help"};
   }
-  /// accept() stores the mean acceleration at the end of the step, with which the next step starts. restart()
-  /// replaces it by the accelerations a_0; it must be called after a jump.
+  /// accept() stores the auxiliary acceleration â of the generalised-α method at the end of the step, with
+  /// which the next step starts. restart() replaces it by the accelerations a_0; it must be called after a
+  /// jump of the accelerations.
   void accept() { mean_0_ = mean_; }
   void restart(const Vector& a_0) { mean_0_ = a_0; }
 
   Vector q, v, a;  ///< results of run(): the state at the end of the step
 
  private:
-  /// Computes q, v and the mean acceleration at the end of the step for the acceleration a.
+  /// Computes q, v and the auxiliary acceleration â at the end of the step for the acceleration a.
   void end_with(double h, const Vector& q0, const Vector& v0, const Vector& a0) {
     means_.advance(h, v0, a0, mean_0_, a, mean_, v, x_);
     group_.move(q0, x_, q);

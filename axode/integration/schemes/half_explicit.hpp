@@ -17,9 +17,15 @@ namespace axode {
 ///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = s'_{i+1},
 ///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i,
 /// and the states of drives x_{i+1} = x_0 + h Σ a_ij F_j with their rates F_i. s' are the rates of prescribed
-/// motions, 0 for all other rows.
-/// Velocities satisfy the constraints; positions may leave them by O(h⁴) in a step, and are then projected.
-/// System is the class of the mechanism, as for Rattle, with close(t, q, v), which projects q and v.
+/// motions, 0 for all other rows. Velocities satisfy the constraints; positions may leave them by O(h⁴) in a
+/// step, and are then projected.
+///
+/// System is the class of the mechanism, for example an AbsoluteSimulationRun. Its member functions are
+/// bodies(), which returns the AbsoluteSystem with M and the constraints; factorize(t, q), which factorises
+/// both; forces(t, q, v, f); add_turning(v, f), which adds ad_vᵀ M v to f; set_time(t), which lets the
+/// residuals follow the prescribed motions at time t; drives(), the DriveStates; norm(), the EnergyNorm of
+/// velocities; velocity_scale(v, h), the magnitude against which rounding errors of v are judged in a step of
+/// length h; and close(t, q, v), which projects q and v onto the constraints.
 template <class System> class HalfExplicit {
  public:
   using Vector = std::vector<double>;
@@ -68,8 +74,10 @@ template <class System> class HalfExplicit {
   Eigen::VectorXd drive_states;
 
  private:
-  /// Computes the acceleration L at q_i_ of a stage for which the velocity base_ + part L of the next stage
-  /// satisfies the constraints at its configuration q_next_. Returns whether the iteration converged.
+  /// Computes by iteration the acceleration L of a stage with the configuration q_i_. With this L the
+  /// velocity of the next stage, base_ + part L, satisfies the constraints at the configuration q_next_ of
+  /// the next stage; `part` is the step length times a coefficient of the method (s). Returns whether the
+  /// iteration converged.
   bool accelerate(double part, Vector& L) {
     auto& bodies = system_->bodies();
     L.assign(v.size(), 0.0);

@@ -25,8 +25,9 @@ namespace axode {
 ///
 /// System is the class of the mechanism, for example a SimulationRun. Its member functions are partials(t, q,
 /// v, p, f), which computes p = M v and f; factorize(t, q) and solve(x) with M; norm(), the EnergyNorm of
-/// velocities; velocity_scale(v, h), the size of the terms of v in a step of length h; place_resolution(h),
-/// the velocity that moves q by its rounding error in a step; and those that StepMatrix requires.
+/// velocities; velocity_scale(v, h), the magnitude against which rounding errors of v are judged in a step of
+/// length h; place_resolution(h), the velocity that moves q by its rounding error in a step; and those that
+/// StepMatrix requires.
 template <class System> class Midpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -51,23 +52,27 @@ template <class System> class Midpoint {
     matrix_in_use_ = MatrixKind::none;
     return iterate(t, h, q0, p0, 0, 0.5);
   }
-  /// Like run(), but begins with the matrix of the last run if that had the same h, and computes another one
-  /// if the residual does not fall to a tenth in an iteration. The iteration ends when the change of v is
-  /// less than `enough` times the magnitude of the velocities; is_exact() says whether it is a rounding
-  /// error.
+  /// Computes the step from (q0, p0) at time t over h with fewer factorisations than run(). The iteration for
+  /// the velocity v in the middle begins with the factorised matrix that the last call used, the mass matrix
+  /// or Newton's matrix, or with the mass matrix if the last call had another h. Newton's matrix is computed
+  /// if the residual does not fall to a tenth in an iteration. The iteration ends when the change of v is at
+  /// most `enough` times the magnitude of the velocities; is_exact() says whether v is then exact to
+  /// rounding.
   Failure run_again(double t, double h, const Vector& q0, const Vector& p0, double enough) {
     if (h != h_) matrix_in_use_ = MatrixKind::none;
     h_ = h;
     return iterate(t, h, q0, p0, enough, 0.1);
   }
   bool is_exact() const { return exact_; }
-  /// Begins a step: lets the next run compute Newton's matrix anew if the iteration was slow with it, and
-  /// forgets the matrix of the masses, because the System may have factorised another one.
+  /// Prepares run_again() for a new step. If its last iteration converged slowly with Newton's matrix, the
+  /// next call computes this matrix anew. If its last iteration used the mass matrix, the next call
+  /// factorises the mass matrix anew, because the mechanism (System), which keeps the factors, may have
+  /// replaced them by those at another configuration.
   void renew_matrix() noexcept {
     renew_ = slowest_ > 0.02;
     if (matrix_in_use_ == MatrixKind::masses) matrix_in_use_ = MatrixKind::none;
   }
-  /// Takes the matrix of another motion of the same mechanism.
+  /// Takes over the matrix with which another motion of the same mechanism iterates.
   void continue_from(const Midpoint& other) {
     matrix_in_use_ = other.matrix_in_use_;
     h_ = other.h_;
@@ -81,9 +86,9 @@ template <class System> class Midpoint {
     solve(dp);
     v += dp;
   }
-  /// The inertia that springs, dampers and drives seem to add to each velocity in a step of length h, or null
-  /// if Newton's matrix was not needed in the last call of run_again(), or the length h was another one
-  /// there.
+  /// The inertia that springs, dampers and drives seem to add to each velocity in a step of length h: the
+  /// diagonal of Newton's matrix minus that of the mass matrix, or 0 where this difference is negative. Null
+  /// if the last call of run_again() did not use Newton's matrix or had another step length than h.
   const double* resistance(double h) const {
     return matrix_in_use_ == MatrixKind::newton && h == h_ ? matrix_.resistance().data() : nullptr;
   }
@@ -94,8 +99,10 @@ template <class System> class Midpoint {
  private:
   enum class MatrixKind { none, masses, newton };
 
-  /// Another matrix is computed if the residual does not fall to the part `least` in an iteration, or, for a
-  /// matrix of this run, to a half. (The matrix of the masses is then replaced by Newton's.)
+  /// Iterates for v with the matrix in use: the mass matrix, or Newton's matrix from an earlier call. If the
+  /// residual does not fall to the part `least` of itself in an iteration, Newton's matrix is computed at the
+  /// present v and replaces the matrix in use. From then on it is computed again only if the residual does
+  /// not halve in an iteration.
   Failure iterate(double t, double h, const Vector& q0, const Vector& p0, double enough, double least) {
     constexpr int most = 60;
     constexpr double infinity = std::numeric_limits<double>::infinity();

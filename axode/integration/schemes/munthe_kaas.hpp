@@ -31,9 +31,9 @@ template <class T = double, class S = T> class MuntheKaas {
         L_(method.b.size() * y.size()),
         q_(static_cast<std::size_t>(tree->nq)) {}
 
-  /// Computes a step over h from (q0, y0), where y is v, or (v, other states). dy0 is the rate y' at the
-  /// start. accelerate(t, q, y, dy) must write the rate dy and return whether it succeeded. Returns false if
-  /// it did not.
+  /// Computes a step of length h from (q0, y0), where y are the velocities v, followed by other states if
+  /// there are any. dy0 is the rate y' at the start. accelerate(t, q, y, dy) must write the rate dy = y' and
+  /// return whether it succeeded. Returns false if it did not.
   template <class Accelerate>
   bool run(double t, const T* q0, const T* y0, const T* dy0, double h, const Accelerate& accelerate) {
     const auto rates = [&](double t_i, std::span<const T> q, std::span<const T> y_i, std::span<T> V,
@@ -47,9 +47,10 @@ template <class T = double, class S = T> class MuntheKaas {
     sum(method_->b, h, K_, theta);
     return true;
   }
-  /// Computes a step over h from (q0, y0). At the start the velocity is v0 and the rate y' is dy0. rates(t,
-  /// q, y, v, dy) must write the velocity v and the rate dy and return whether it succeeded. Returns false if
-  /// it did not.
+  /// Computes a step of length h from (q0, y0), where y are the velocities or momenta, followed by other
+  /// states if there are any. At the start the velocity is v0 and the rate y' is dy0. rates(t, q, y, v, dy)
+  /// must write the velocity v and the rate dy = y' and return whether it succeeded. Returns false if it did
+  /// not.
   template <class Rates>
   bool run(double t, const T* q0, const T* y0, const T* v0, const T* dy0, double h, const Rates& rates) {
     const Tableau& m = *method_;

@@ -23,11 +23,13 @@ namespace axode {
 /// so that damping and drives keep the order. Newton's matrix consists of M and B at the predicted end of the
 /// step.
 ///
-/// System is the class of the mechanism, with the functions bodies(), which returns its AbsoluteSystem;
-/// forces(t, q, v, f), factorize(t, q), factorize_with_rank(t, q) and add_turning(v, f), which adds ad_vᵀ M v
-/// to f; set_time(t), which lets the residuals of bodies() follow the prescribed motions at time t; norm();
-/// velocity_scale(v, h), the magnitude of the terms of v in a step; and drives(), its DriveStates, whose
-/// states follow the trapezoidal rule (D17.7a).
+/// System is the class of the mechanism, for example an AbsoluteSimulationRun. Its member functions are
+/// bodies(), which returns the AbsoluteSystem with M and the constraints; factorize(t, q), which factorises
+/// both, and factorize_with_rank(t, q), which also finds the redundant constraints; forces(t, q, v, f);
+/// add_turning(v, f), which adds ad_vᵀ M v to f; set_time(t), which lets the residuals follow the prescribed
+/// motions at time t; norm(), the EnergyNorm of velocities; velocity_scale(v, h), the magnitude against which
+/// rounding errors of v are judged in a step of length h; and drives(), the DriveStates, which follow the
+/// trapezoidal rule (D17.7a).
 template <class System> class Rattle {
  public:
   using Vector = std::vector<double>;

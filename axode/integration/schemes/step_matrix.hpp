@@ -14,9 +14,10 @@ namespace axode {
 /// δa, hence
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
 /// System is the class of the mechanism. Its member functions are residual_derivatives(q, v, a, dr), which
-/// computes the derivatives of r without those of a drive in the options; is_driven(), whether there is such
-/// a drive; drive(t, q, v), its forces; norm(), the EnergyNorm of velocities; local_coordinates(),
-/// exponential or Cayley's; and velocity_scale(v, h), the size of the terms of v in a step of length h.
+/// computes the derivatives of r without those of the drive forces that the caller of the simulation gives as
+/// a function (SimulationOptions::drive); is_driven(), whether there is this function; drive(t, q, v), its
+/// part of -r; norm(), the EnergyNorm of velocities; local_coordinates(), exponential or Cayley's; and
+/// velocity_scale(v, h), the magnitude against which rounding errors of v are judged in a step of length h.
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;
@@ -24,12 +25,12 @@ template <class System> class StepMatrix {
   StepMatrix(System& system, const Tree<double>& tree)
       : system_(&system), group_(tree, system.local_coordinates()), q_(tree->nq) {}
 
-  /// Computes and factorises J without the derivatives of the drive.
+  /// Computes and factorises J without the derivatives of the function SimulationOptions::drive.
   void compute(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
     assemble(x, q, v, a, c_x, c_v);
     lu_.compute(J_);
   }
-  /// Computes and factorises J with the derivatives of the drive, which are difference quotients.
+  /// Computes and factorises J with the derivatives of SimulationOptions::drive, as difference quotients.
   void compute_with_drive(double t, const Vector& q_0, const Vector& x, const Vector& q, const Vector& v,
                           const Vector& a, double c_x, double c_v) {
     assemble(x, q, v, a, c_x, c_v);
@@ -37,10 +38,11 @@ template <class System> class StepMatrix {
     resistance_ = (J_.diagonal() - masses_).cwiseMax(0);
     lu_.compute(J_);
   }
-  /// The diagonal of J - M of the last matrix, or 0 where it is negative: the inertia that springs, dampers
-  /// and drives seem to add to each velocity.
+  /// The inertia that springs, dampers and drives seem to add to each velocity in an implicit step: the
+  /// diagonal of the last Newton matrix J of compute_with_drive() minus that of the mass matrix, or 0 where
+  /// this difference is negative.
   const Vector& resistance() const { return resistance_; }
-  /// Takes the matrix of another motion of the same mechanism.
+  /// Takes over Newton's matrix of another motion of the same mechanism.
   void continue_from(const StepMatrix& other) {
     resistance_ = other.resistance_;
     lu_ = other.lu_;

@@ -42,9 +42,10 @@ class TangentSteps {
   Matrix dq, dy;  ///< displacements of q and y, a column for each direction
   Row dt, dh;     ///< changes of the time and the length of a step, for each direction; empty: none
 
-  /// Takes a step of length h from time t. differentiate(t, dt, q, y, dq, dy, rates, drates) must write the
-  /// rates y' and their changes drates along the displacements dt, dq and dy, and return whether it
-  /// succeeded.
+  /// Takes a step of length h from time t of the state (q, y), where y are the velocities followed by other
+  /// states if there are any, and of its displacements. differentiate(t, dt, q, y, dq, dy, rates, drates)
+  /// must write the rates y' to `rates` and their changes along the displacements dt, dq and dy to `drates`,
+  /// and return whether it succeeded. Returns false if it did not.
   template <class Differentiate> bool run(double t, double h, const Differentiate& differentiate) {
     const Tableau& m = method_;
     if (!differentiate(t, dt, Span(q), Span(y), dq, dy, std::span(rates_), dL_[0])) return false;
