@@ -28,9 +28,9 @@ enum class Coordinates {
 };
 
 /// Options of a simulation. Couplings with play (backlash) act in simulate(), simulate_fixed() and
-/// simulate_stiff(), in relative coordinates: a step ends where a play reaches or leaves one of its ends.
-/// With the other methods, or with joint_losses and joints with dry friction or gears with losses, they throw
-/// std::invalid_argument.
+/// simulate_stiff(), in relative coordinates: a step ends where a play reaches or leaves one of its ends. If
+/// the model has such a coupling, all other simulations throw std::invalid_argument, and these three do so if
+/// joint_losses is set and a joint has dry friction or a gear with losses.
 struct SimulationOptions {
   Coordinates coordinates = Coordinates::relative;
   /// The local coordinates of a step. Cayley coordinates are allowed in relative coordinates for all methods
@@ -45,9 +45,9 @@ struct SimulationOptions {
   std::function<void(double t, std::span<const double> q, std::span<const double> v,
                      std::vector<AppliedWrench<>>& loads)>
       computed_loads = {};
-  /// Motions that joints and rods follow, in addition to those of the model. They act in all coordinates and
-  /// with all methods. Steps end where the third, fourth or fifth derivative of a motion jumps. A motion that
-  /// cannot be followed ends the trajectory.
+  /// Motions that joints and rods follow, in addition to those of the model. They act with all methods, in
+  /// relative and in absolute coordinates. Steps end where the third, fourth or fifth derivative of a motion
+  /// jumps. A motion that cannot be followed ends the trajectory.
   std::vector<PrescribedMotion> motions = {};
   /// Drives with states, in addition to those of the model. Steps end where an input jumps, and with methods
   /// whose steps can be shortened also where the law of a drive changes its form, for example at a limit;
@@ -105,10 +105,11 @@ Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::s
                            double until, double step, int order = 2, const SimulationOptions& options = {});
 
 /// Integrates in absolute coordinates, which the options must ask for, by the half-explicit method of third
-/// order (Brasey, Hairer) in the form of Munthe-Kaas. Joints and loops hold to rounding in velocities;
-/// positions are projected, or hold to rounding if the coordinates are SE(3) and each step of a joint is a
-/// motion that the joint allows. Throws std::invalid_argument for a wrong size, a quaternion that is not of
-/// unit norm, a number that is not finite, until < 0 or step <= 0, and for relative coordinates.
+/// order (Brasey, Hairer) in the form of Munthe-Kaas. Joints and loops are satisfied to rounding in
+/// velocities, and positions are projected onto them at the end of each step. With Coordinates::absolute, the
+/// poses of a body that a joint connects to the ground satisfy this joint to rounding even without the
+/// projection. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number
+/// that is not finite, until < 0 or step <= 0, and for relative coordinates.
 Trajectory simulate_half_explicit(const Model& model, std::span<const double> q, std::span<const double> v,
                                   double until, double step, const SimulationOptions& options = {});
 
@@ -173,8 +174,8 @@ Trajectory simulate(const Model& model, std::span<const double> q, std::span<con
 
 /// Integrates a motion with contact in steps that are adapted to tolerances, those of simulate(). Each step
 /// is computed as a whole and in two halves, which must agree within the tolerances; the halves are then
-/// taken. A step through an impact, or in which something begins to stick or to slide, becomes as short as
-/// this needs, but not shorter than 1e-9 of the duration of the motion.
+/// taken. A step through an impact, or in which a contact or joint begins to stick or to slide, is shortened
+/// until the halves agree with the whole step, but not below 1e-9 of the duration of the motion.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});

@@ -54,9 +54,9 @@ class Trajectory {
 
   /// Interpolates q, v and, unless it is empty, a at a time (s), on the group of configurations. It uses q, v
   /// and a at both ends of the step that contains the time. For steps of length h the errors are of order h⁶
-  /// in q, h⁵ in v and h⁴ in a. Steps must be so short that the mean velocity that is estimated for a joint
-  /// of several velocities is wrong by less than half a turn per step. Throws std::invalid_argument for a
-  /// time outside the trajectory and for a wrong size.
+  /// in q, h⁵ in v and h⁴ in a. For spherical, planar and free joints the step must be so short that its
+  /// rotation, as estimated from v and a at both ends, differs from the true rotation by less than half a
+  /// turn. Throws std::invalid_argument for a time outside the trajectory and for a wrong size.
   void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
   /// Appends the state at the end of a step: the time t (s), q, v, a, the drive forces tau, and the states x
