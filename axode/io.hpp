@@ -16,8 +16,9 @@ enum class Base {
   as_described,
   /// Every body that is connected to the ground by a free joint is fixed where it is drawn.
   fixed,
-  /// If one body is fixed to the ground, it gets a free joint `free_base` instead. If no body is fixed to the
-  /// ground but some body is free, nothing changes.
+  /// The body that is fixed to the ground gets a free joint `free_base` instead. If no body is fixed to the
+  /// ground but some body is connected to it by a free joint, nothing changes. It is an error if several
+  /// bodies are fixed to the ground, or if no body is fixed to it or free.
   free,
 };
 

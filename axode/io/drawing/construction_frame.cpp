@@ -45,9 +45,10 @@ SE3<> given_frame(const Geometry& geometry) {
   return frames == nullptr ? SE3<>{} : frames->S_self;
 }
 
-/// Expresses the axis and the point of a joint in the inertial frame at q = 0. A planar or spherical joint is
-/// expressed by joint frames instead if the axes of its joint frame at q = 0 are not those that a reader
-/// would derive from its axis. `at` has the poses of the body and its joint frame at q = 0.
+/// Expresses the axis and the point of a joint in the inertial frame at q = 0. For a planar or spherical
+/// joint, axis and point imply the axes of the joint frame: those of the inertial frame, turned for a planar
+/// joint the shortest way until z is the axis of the joint. If the joint frame has other axes at q = 0, the
+/// joint is expressed by joint frames instead. `at` has the poses of the body and its joint frame at q = 0.
 void move_joint(BodyDescription& body, const Placement& at) {
   JointDescription& joint = body.joint;
   if (!traits(joint.kind).axis && !traits(joint.kind).point) {

@@ -18,8 +18,10 @@ constexpr std::array<std::string_view, 7> size_keys{"pitch",      "lead",   "len
 /// Whether a kind of loop has a key. `lead` is another way to give a pitch.
 bool has_key(LoopKind kind, std::string_view key) { return traits(kind).has(key == "lead" ? "pitch" : key); }
 
-/// Reads which two bodies or named frames a loop joint connects. They are named by the key `between` or, if
-/// the drawing gives the joint frames of the loop joint, by the key `frames`.
+/// Reads which two bodies or named frames a loop joint connects, from its table in a TOML file. The key
+/// `between` has their names. If the joint frames of the loop joint are two named frames, the key `frames`
+/// has their names instead. In addition to `between`, the key `frames` can have the poses of the joint frames
+/// in the two frames that `between` names.
 void read_ends(Table& table, LoopDescription& loop) {
   const toml::Value* frames = table.look("frames");
   const toml::Array* both = frames == nullptr ? nullptr : frames->array();

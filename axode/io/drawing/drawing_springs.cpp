@@ -50,9 +50,9 @@ void read_path(Table& table, SpringDescription& spring) {
   }
 }
 
-/// Reads the two frames of a torsion spring or bushing. If they coincide at q = 0, they are given by the key
-/// `drawn_by` (`axis` or `pose`) in the inertial frame. Otherwise the key `frames` gives one frame on each
-/// body.
+/// Reads the two frames of a torsion spring or bushing. If the frames coincide at q = 0, they are given in
+/// the inertial frame by one key, whose name is in `drawn_by`: `axis` for a torsion spring, `pose` for a
+/// bushing. Otherwise the key `frames` gives one frame on each body.
 void read_frames(Table& table, SpringDescription& spring, std::string_view drawn_by) {
   read_between(table, spring);
   const bool given = table.has("frames");
