@@ -18,10 +18,11 @@ inline constexpr int largest_partial_order = largest_directional_order;
 /// as a dense tensor: nv^(ν + 1) columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. The
 /// derivative along α1 is taken first; the order matters only between directions of one spherical, planar or
 /// free joint. Body-fixed: Müller's eqs. der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder;
-/// hybrid and mixed: (D15.4) of docs/derivations, for the first order eq. Jhder with k < j (errata 6 to 12).
-/// Any order ν >= 0 is allowed. O(ν m^(ν + 1)) for m joint screws between the place and the ground; the
-/// number of allocations does not depend on the order. The caller's function should_continue() is called from
-/// time to time; if it returns false, the call ends early and the tensor is not complete.
+/// hybrid and mixed: (D15.4) of docs/derivations. For the first order this is eq. Jhder for ∂J_j/∂q_k,
+/// completed by the case k < j, in which joint k is between joint j and the ground (errata 6 to 12). Any
+/// order ν >= 0 is allowed. O(ν m^(ν + 1)) for m joint screws between the place and the ground; the number of
+/// allocations does not depend on the order. The caller's function should_continue() is called from time to
+/// time; if it returns false, the call ends early and the tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,

@@ -139,9 +139,10 @@ template <class Rep, class T> class ScrewPartials {
       tails_[k] = k + 1 == chain_.size() ? J.v : cross(J.w, tails_[k + 1]);
     }
   }
-  /// The linear part of the derivative of the hybrid screw a along all directions in chain_. It is the
-  /// derivative of the place's position along screw a and along these directions. `inward` is the number of
-  /// directions in chain_ that belong to the joint of screw a or to joints between it and the root.
+  /// The linear part of the partial derivative of order ν of the hybrid screw a along the ν directions in
+  /// chain_ (D15.4). It is the derivative of order ν + 1 of the place's position, along screw a and along
+  /// each of these directions. `inward` is the number of directions in chain_ that belong to the joint of
+  /// screw a or to joints between it and the root.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -206,10 +207,11 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Computes the derivatives of the screws begin to end - 1, all of one joint, along all sets of directions.
-  /// W_ has the twist W(u_s) for the joint velocities of each direction u_s, and the derivatives of this
-  /// twist. Before the call it is the twist of the predecessor of the joint's body, and after the call that
-  /// of this body.
+  /// Computes the derivatives of the screws begin to end - 1, all of one joint: for every subset S of the
+  /// given directions u_s, the derivative along all directions in S, one after the other. W_ has the twist
+  /// W(u_s) of a body for each direction u_s as the joint velocities, and the derivatives of this twist along
+  /// every subset. The body is the predecessor of the joint's body before the call, and the joint's body
+  /// after it.
   void body(int begin, int end, const T* directions, int nv) {
     for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
     for (unsigned S = 0; S < sets_; ++S) {
