@@ -115,8 +115,9 @@ EigenvalueRange eigenvalue_range(const Sym3<double>& A);
 
 /// A measure of whether a mass distribution with the inertia M exists: it exists if the result is at least 0.
 /// The result is the smallest eigenvalue of Binet's tensor about the centre of mass, divided by the largest
-/// principal moment; a negative eigenvalue within the rounding errors of Θ counts as 0. If all principal
-/// moments are positive, the result is at least -0.5. The mass must be positive.
+/// principal moment about this point. A negative eigenvalue counts as 0 if it is within the rounding errors
+/// of the rotational inertia about the origin of the frame, from which the tensor is computed. If all
+/// principal moments are positive, the result is at least -0.5. The mass must be positive.
 double realisability(const Inertia<double>& M);
 
 }  // namespace axode
