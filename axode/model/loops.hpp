@@ -95,8 +95,9 @@ struct Loop : LoopRows {
   /// Length of a rod or radius of a rolling body, m; cosine between the axes of a universal joint.
   double size = 0;
   bool wheel = false;  ///< whether the rolling body is a wheel
-  /// The radii of the two pulleys of a belt, m. A radius is negative if the pulley turns clockwise about the
-  /// axis while the belt runs from the first pulley to the second.
+  /// The radii of the two pulleys of a belt, m. Their signs say to which side of each pulley the span between
+  /// the pulleys leads: a radius is negative if the pulley turns clockwise about the axis when this span
+  /// moves from the first pulley towards the second.
   std::array<double, 2> radii = {};
 };
 

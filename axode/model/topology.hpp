@@ -58,9 +58,10 @@ struct Topology {
   /// body where they meet.
   ///
   /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. The elimination couples two
-  /// ties of a body only if they are in the same group. A group has the ties whose paths come through the
-  /// same child, and all ties whose paths go on to the predecessor or begin at the body. Ties of a group are
-  /// consecutive. Vectors without a size in their comment have one entry per tie.
+  /// ties of a body only if they are in the same group. Two ties are in the same group if their paths come
+  /// through the same child, or if each of their paths goes on to the predecessor or begins at the body.
+  /// Groups that have a tie in common are one group. Ties of a group are consecutive. Vectors without a size
+  /// in their comment have one entry per tie.
   struct Ties {
     std::vector<int> begin;     ///< n + 2: first tie of each body
     std::vector<int> velocity;  ///< velocity of each tie

@@ -72,8 +72,10 @@ class Compiler {
 
  private:
   /// Where a body of the description is in the model: `carrier` is the moving body into which it is merged,
-  /// or the body itself. In the frame of the described body, the joint frame of the carrier has the pose S F,
-  /// where S is usually the joint frame of the described body. S and F are stored apart, because S F may be
+  /// or the body itself. In the frame of the described body, the joint frame of the carrier has the pose S F.
+  /// S is the pose of the joint frame of the described body, and F is the pose of the joint frame of the
+  /// carrier relative to it. Exception: if the body is merged and given in the inertial frame, S is the pose
+  /// of the joint frame of the carrier, and F is the identity. S and F are stored apart, because S F may be
   /// small while both are large.
   struct Carried {
     int carrier = 0;

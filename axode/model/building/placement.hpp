@@ -58,12 +58,15 @@ struct Placement {
 /// the frame in which the axis is given, turned the shortest way until z is the axis. A spherical joint keeps
 /// the axes of that frame, and the joint frame of a free joint is the body frame.
 ///
-/// The joint frame of a fixed joint has no influence on the motion. It is the one that the geometry gives. If
-/// it gives none, it is the body frame; but for a body that is given in the construction frame and is not on
-/// the ground, it is the joint frame of the predecessor, because body frames may be far away. The point of a
-/// prismatic joint has no influence on the motion either. If a body that is given in the construction frame
-/// has its centre of mass further away from this point than 16 radii of gyration, the origin is the centre of
-/// mass. A body without mass takes the mass of its first successor that has one.
+/// The joint frame of a fixed joint has no influence on the motion. If the body is described by joint frames,
+/// it is the described one. Otherwise it is the body frame, except for a body that is described in the
+/// construction frame (the inertial frame at q = 0) and whose predecessor is not the ground: then it is the
+/// joint frame of the predecessor, because body frames may be far away.
+///
+/// The point of a prismatic joint has no influence on the motion either. If a body that is described in the
+/// construction frame has its centre of mass further away from this point than 16 radii of gyration, the
+/// origin of the joint frame is the centre of mass. A body without mass takes the mass of its first successor
+/// that has one.
 std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order);
 
 /// The two joint frames of a loop in the construction frame at q = 0, and its size as in Loop::size.

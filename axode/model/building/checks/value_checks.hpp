@@ -57,8 +57,9 @@ bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const c
 bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, Vec3<>>> values);
 bool are_finite(const FaultySubject& at, const std::string& key, std::span<const double> values);
 
-/// The complaint about angles in rad of which one looks like degrees, a multiple of 5 from two turns in rad
-/// up to 720, such as `limits are 0 and 90 rad, which look like degrees; ...`; empty if none does.
+/// The complaint about angles in rad if one of them looks like degrees, such as `limits are 0 and 90 rad,
+/// which look like degrees; ...`; empty if none does. An angle looks like degrees if its absolute value is a
+/// multiple of 5, larger than 4π (two turns in rad) and at most 720 (two turns in degrees).
 std::optional<std::string> degrees_complaint(std::string_view subject, std::span<const double> angles);
 
 /// Checks that return whether all numbers are finite and all rotation matrices orthonormal.
