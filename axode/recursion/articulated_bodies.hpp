@@ -282,9 +282,10 @@ template <class Rep, class T> struct ArticulatedBodies {
            ties.begin[i];
   }
   /// The inertias that couple tie t with the ties of the same body: the row of the mass matrix that remains
-  /// for them in the elimination. A tie is a velocity that several coupled joints share. Entry o of the
-  /// returned pointer belongs to tie o, which must be in the group of t; ties of different groups are not
-  /// coupled.
+  /// for them in the elimination. A tie is a pair of a velocity that several coupled joints share and a body
+  /// through which the elimination carries this velocity. Entry o of the returned pointer belongs to tie o.
+  /// There are entries only for ties in the group of t; Topology::Ties divides the ties of a body into groups
+  /// that the elimination does not couple with each other.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
@@ -308,9 +309,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     scale_tie[own] += F[i] * S[s] | S[s];
   }
   /// Eliminates the velocity of screw S = S[s] of body i from its articulated inertia M, and from the columns
-  /// of the shared velocities of coupled joints (ties). F has the magnitudes of the numbers from which M was
-  /// computed, against which rounding errors are compared; G is F S, and `size` is the magnitude of the
-  /// numbers from which the pivot D was computed.
+  /// by which velocities that coupled joints share (ties) extend M. F has the magnitudes of the numbers from
+  /// which M was computed, against which rounding errors are compared; G is F S, and `size` is the magnitude
+  /// of the numbers from which the pivot D was computed.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -349,8 +350,9 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
-  /// Adds the columns of body i for velocities that coupled joints share (ties) to the columns of the
-  /// predecessor. Columns of velocities that are eliminated at body i are left out.
+  /// A velocity that several coupled joints share (a tie) extends the articulated inertia of a body by a
+  /// column: its wrench and its forces on the other ties for a unit of the velocity. This function adds the
+  /// columns of body i to those of its predecessor, except for velocities that are eliminated at body i.
   template <class AnyTree> void pass_ties_to_parent(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {

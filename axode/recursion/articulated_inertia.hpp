@@ -37,9 +37,11 @@ template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const
   const T t = trace(M.Theta), o(0);
   return {{t, t, t, o, o, o}, {}, {M.m, M.m, M.m, o, o, o}};
 }
-/// Updates the magnitudes F of the numbers in an articulated inertia M for the elimination of a joint screw S
-/// with U = M S and the pivot D ((D4.9) of docs/derivations). G is F S, and f is Sᵀ G plus the magnitude of
-/// inertias that move with S but are not part of M, such as the armature.
+/// Updates F for the elimination of a joint screw S from the articulated inertia M, with U = M S and the
+/// pivot D. F has the magnitudes of the numbers that are added and subtracted to compute M, against which
+/// rounding errors of M are compared. G is F S, and f is Sᵀ G plus the magnitude of inertias that move with S
+/// but are not part of M, such as the armature. By (D4.9) of docs/derivations,
+///   F ← F + Y Uᵀ + U Yᵀ + diag(|U_m|² 1, |U_f|² 1) / D  with  Y = (f U / (2 D) - G) / D.
 template <class Rep, class T>
 constexpr void update_scale(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
                             const Wrench<Rep, T>& U, const T& D) {

@@ -5,14 +5,15 @@
 
 /// Link<Rep>: the transformations of twists and wrenches between body i and its predecessor p, and the
 /// dynamics of the body, in each representation. C, R and r are poses, rotations and positions; S v is the
-/// twist of the joint.
+/// twist of the joint. push() converts from body-fixed coordinates to Rep, and pull() converts back; the
+/// table has the matrix of push() for twists.
 ///
 ///                body-fixed  spatial       hybrid                   mixed
 ///  push, pull    identity    Ad_C          Ad_R                     diag(I, R)       body-fixed <-> Rep
 ///  down          Ad_{C_ip}   identity      Ad_{r_ip}                see Link<Mixed>  twist of p -> at i
 ///  up            Ad_{C_ip}ᵀ  identity      Ad_{r_ip}ᵀ               transpose of down wrench of i -> at p
 ///  bias          ad_V (S v)  ad_V (S v)    ad_{r'_ip} V_p + ad_ω Sv see Link<Mixed>  V'_i - down(V'_p) - S a
-///  inertia       M           Ad_C⁻ᵀMAd_C⁻¹ Ad_R⁻ᵀMAd_R⁻¹            M, see impulse   inertia of body i
+///  inertia       M           Ad_C⁻ᵀMAd_C⁻¹ Ad_R⁻ᵀMAd_R⁻¹            M (body-fixed)   inertia of body i
 ///  newton_euler  eq. NEb     eq. NEs       eq. NEh                  eq. NEcmixed     wrench on body i
 ///
 /// `down` and `up` are dual to each other, see (D4.1) of docs/derivations. Equations are Müller's.
@@ -86,9 +87,9 @@ template <class T> struct Link<Spatial, T> {
   }
 };
 
-/// Link in hybrid representation: V_i^h = Ad_{r_ip} V_p^h + Ad_R X v with the predecessor p and the
-/// body-fixed screw X of the joint (Müller, eq. VhRec). r_pi is the vector from the origin of p to that of i
-/// in inertial axes, and r_ip = -r_pi.
+/// The transformations between body i and its predecessor p (Link) in hybrid representation: V_i^h =
+/// Ad_{r_ip} V_p^h + Ad_R X v with the body-fixed screw X of the joint (Müller, eq. VhRec). r_pi is the
+/// vector from the origin of p to that of i in inertial axes, and r_ip = -r_pi.
 template <class T> struct Link<Hybrid, T> {
   SO3<T> R;
   Vec3<T> r_pi;
@@ -130,8 +131,8 @@ template <class T> struct Link<Hybrid, T> {
   }
 };
 
-/// Link in mixed representation: twists V^m = (ω^b, r') have the angular part of body-fixed and the linear
-/// part of hybrid twists.
+/// The transformations between body i and its predecessor (Link) in mixed representation: twists V^m = (ω^b,
+/// r') have the angular part of body-fixed and the linear part of hybrid twists.
 template <class T> struct Link<Mixed, T> {
   SE3<T> C_pi;
   SO3<T> R_p, R;
