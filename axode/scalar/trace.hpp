@@ -74,9 +74,9 @@ class Trace {
     int node_ = 0;
 };
 
-/// The list of operations on which all Traces of this thread are recorded. Traces can be used only while the
-/// Tape exists on which they were recorded. The constructor throws std::logic_error if the thread already has
-/// a Tape.
+/// The list of operations on Traces in this thread. A Trace is a number type that records the operations by
+/// which it is computed. Traces can be used only while the Tape exists on which they were recorded. The
+/// constructor throws std::logic_error if the thread already has a Tape.
 class Tape {
  public:
   enum class Operation : unsigned char {
