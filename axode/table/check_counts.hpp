@@ -18,8 +18,8 @@ enum class Caller {
 };
 
 /// Throws std::invalid_argument if the result of the function would be wrong because the model has a
-/// property, such as loops, that the function does not take into account for this kind of caller. The message
-/// says what to call instead.
+/// property, such as loops, that this way to call the function does not take into account. A call with a
+/// Workspace, for example, computes with the spanning tree only. The message says what to call instead.
 void check_counts(std::string_view function, const Counts& counts, const Model& model, Caller caller);
 inline void check_counts(const Words& row, const Model& model, Caller caller) {
   check_counts(row.name, row.counts, model, caller);

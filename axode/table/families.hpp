@@ -11,8 +11,8 @@ namespace axode::catalog::table {
 /// Advice in the documentation of functions that ignore the forces of springs, dampers and stops.
 inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
                                   subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
-/// The Count of prescribed motions for functions that compute accelerations: models with prescribed motions
-/// are refused, because the accelerations then depend on the time, which is no argument. Functions whose
+/// How functions that compute accelerations treat prescribed motions: they refuse models with prescribed
+/// motions, because the accelerations then depend on the time, which is no argument. Functions whose
 /// arguments are accelerations ignore prescribed motions instead.
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");
