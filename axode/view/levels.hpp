@@ -12,9 +12,10 @@ struct Levels {
   Vec3<> normal;        ///< normal of the plane in the inertial frame, from level 0 to level 1
 };
 
-/// Computes the levels of the bodies if all of them move in one plane, on hinges and sliders whose points lie
-/// in that plane; empty for other mechanisms. Points nearer to each other than `close` (m) coincide. `up`
-/// chooses the sense of the normal.
+/// Computes the levels of the bodies, integers that say in which layer along the normal of the plane each
+/// body is drawn, if all bodies move in one plane, on hinges with points in that plane and on sliders; empty
+/// for other mechanisms. Points nearer to each other than `close` (m) coincide. Of the two normals of the
+/// plane, the one on the side of `up` is taken.
 std::optional<Levels> levels_of(const Model& model, double close, const Vec3<>& up);
 
 }  // namespace axode::view

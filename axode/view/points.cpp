@@ -25,14 +25,14 @@ const BodyDescription* find(const Described& described, const std::string& name)
   return found == described.end() ? nullptr : found->second;
 }
 
-/// Whether the origin of a body frame is a point on the body, so that the body can be drawn to it. If the
-/// body is drawn in the construction frame, the origin may be anywhere.
+/// Whether the origin of a body frame is one of the points between which the body is drawn. It is not if the
+/// body is described in the inertial frame at q = 0, because its origin may then be anywhere.
 bool has_origin(const BodyDescription& body) {
   return !std::holds_alternative<InConstructionFrame>(body.geometry);
 }
 
-/// Whether the description gives a point for a joint. In a drawing, a prismatic joint has a direction only,
-/// and a free joint has neither direction nor point.
+/// Whether the description gives a point for a joint. If the body is described in the inertial frame at q =
+/// 0, a prismatic joint has a direction only, and a free joint has neither direction nor point.
 bool has_point(const Joint& joint, const BodyDescription* body) {
   if (joint.kind != Subgroup::prismatic && joint.kind != Subgroup::free) return true;
   return body == nullptr || has_origin(*body) || traits(body->joint.kind).point;

@@ -18,9 +18,10 @@ class Points {
   const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
   /// The corners of the points on a body, no two of which are nearer than a hundredth of the size.
   const std::vector<Vec3<>>& distinct(int body) const { return distinct_[body]; }
-  /// For each body that is fixed to the ground, by its name, the points between which it is drawn: its
-  /// joints, its centre of mass, the bodies that are fixed to it, and its origin if this is a point on the
-  /// body.
+  /// For each body that is fixed to the ground, by its name, the points between which it is drawn, in the
+  /// inertial frame (m): the points of its joints, its centre of mass, the origins of bodies that are fixed
+  /// to it, and its own origin. The origin of a body that is described in the inertial frame is left out,
+  /// because it may be anywhere.
   const std::map<std::string, std::vector<Vec3<>>>& fixed() const { return fixed_; }
   std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) const;
   /// The length (m) of a body: the diagonal of a box around its points or, if it has only one point, twice

@@ -105,9 +105,9 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
-/// The lines of a model as JSON: first the segments of springs along points, then the lines along which
-/// drives act. Points are in the frames of their bodies. The stiffness of a segment is that of the spring at
-/// the deflection 0.
+/// The lines of a model as JSON: first the segments between successive points of the springs that act along a
+/// line or over several points (tendons), then the lines along which drives act. Points are in the frames of
+/// their bodies. The stiffness of a segment is that of the spring at the deflection 0.
 Json lines_of(const Model& model) {
   Json lines = Json::array();
   const auto end_of = [&](const Spring::Path::Point& end) {

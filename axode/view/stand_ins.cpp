@@ -78,8 +78,8 @@ std::optional<ShapeDescription> solid(const Inertia<>& M) {
   return shape;
 }
 
-/// Makes a solid smaller if it reaches farther than `most` (m) from its centre. This can happen if the
-/// inertia of a body is wrong or contains the rotors of drives.
+/// Makes a solid, whose size was computed from the inertia of a body, smaller if it reaches farther than
+/// `most` (m) from its centre. This can happen if the inertia is wrong or contains the rotors of drives.
 void shrink(ShapeDescription& shape, double most) {
   const bool round = shape.kind == ShapeKind::cylinder;
   const Vec3<>& a = shape.size;

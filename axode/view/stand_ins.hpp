@@ -23,7 +23,7 @@ struct StandIn {
 
 /// Placeholders for bodies without a visible shape, for their joints, and for the mounts of these joints on
 /// the ground. `with_shapes` says of the ground and of each body whether it has a visible shape. The massless
-/// body inside a cylindrical joint between two bodies with shapes has none.
+/// body inside a cylindrical joint between two bodies with shapes gets no placeholder.
 ///
 /// A body is drawn between the points of its joints, frames, loops, springs and drives: as a bar between two
 /// points, and as their rounded convex hull if there are more (of at most 60 corners). Heavier bodies are
