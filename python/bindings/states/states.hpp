@@ -51,8 +51,9 @@ class States {
   std::span<const double> q(std::size_t k) const { return q_[k]; }
   std::span<const double> q() const { return q_.all(); }
 
-  /// Checks an argument that has an item of the shape `item` for each of the N states, or only one item if
-  /// there is one state, of the shape (nq,). `meaning` describes an item in messages.
+  /// Checks an argument of the call. If q is one state, an array (nq,), it must be one item, an array of the
+  /// shape `item`. If q is N states, an array (N, nq), it must be an array of N items, with one more axis in
+  /// front. `meaning` describes an item in messages.
   Items items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const;
   /// Another argument of the call with nq numbers for each state.
   Items configurations(const char* name, ArrayLike given) const;

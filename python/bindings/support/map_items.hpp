@@ -104,8 +104,9 @@ template <class T> struct Given {
   ArrayLike array;
 };
 
-/// The lengths of the first `axes` axes of an argument. Throws nb::value_error if there are so many that a
-/// Shape has no room for them and the axes of an item.
+/// The lengths of the first `axes` axes of an argument, those in front of the axes of an item such as a
+/// vector or a matrix. Throws nb::value_error if there are more than 30: an array has at most 32 axes, and an
+/// item has up to two.
 Shape first_axes(const Numbers& numbers, int axes);
 
 /// The numbers of one argument of a function that is called for arrays of items.
@@ -125,8 +126,9 @@ class Operand {
   nb::ssize_t step_ = 0;
 };
 
-/// The axes that come before the axes of an item. All operands must have them in common, except operands that
-/// are single items. Throws nb::value_error if they differ.
+/// The lengths of the leading axes of the operands, those in front of the axes of an item: (N,) for N vectors
+/// in an array (N, 3). All operands must have the same leading axes, except operands that are single items
+/// and have none. Throws nb::value_error if they differ.
 Shape common_leading(std::span<const Operand> operands);
 /// The shape that has the axes `leading`, followed by the axes of an item.
 Shape with_item(const Shape& leading, const Shape& item);
