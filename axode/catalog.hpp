@@ -27,7 +27,6 @@ template <class T> struct Arguments {
   CoriolisForm form = CoriolisForm::christoffel;
   WrenchPoint at = WrenchPoint::body;
 };
-template <class T> using Given [[deprecated("use Arguments")]] = Arguments<T>;
 /// The member of Arguments that holds the numbers of an input.
 template <class T> constexpr std::span<const T> Arguments<T>::*member_of(Input input) {
   switch (input) {

@@ -348,8 +348,8 @@ def heavy_top_of_bodies(page):
                                     np.abs(exact.v[-1] - run.v[-1]).max()] for run in runs])
                 orders = np.log2(errors[0] / errors[1])
                 rows.append([name, group, f"`{method}`", number(errors[1, 0]), number(errors[1, 1]),
-                             f"{orders[0]:.2f}, {orders[1]:.2f}", number(runs[1].gap.max(), 0),
-                             number(runs[1].slip.max(), 0)])
+                             f"{orders[0]:.2f}, {orders[1]:.2f}", number(runs[1].position_residuals.max(), 0),
+                             number(runs[1].velocity_residuals.max(), 0)])
     page.table("heavy top of bodies", ["top", "group", "method", "R, rad", "ω, rad/s", "orders", "Φ, m", "B v, m/s"],
                rows)
 
@@ -421,7 +421,8 @@ def rolling(page):
                 lost = np.abs(far.body_energy - far.body_energy[0])
                 rows.append([m.name, group, f"`{method}`", f"{step:g} s", number(errors[0]),
                              f"{np.log2(errors[0] / errors[1]):.2f}", number(lost[far.t <= 10].max()),
-                             number(lost.max()), number(far.gap.max(), 0), number(far.slip.max(), 0)])
+                             number(lost.max()), number(far.position_residuals.max(), 0),
+                             number(far.velocity_residuals.max(), 0)])
     page.table("rolling", ["", "group", "method", "step", "q, rad or m", "order", "energy in 10 s, J", "in 40 s, J",
                            "open by, rad or m", "B v, rad/s or m/s"], rows)
 

@@ -1,6 +1,4 @@
 #pragma once
-#include <utility>
-
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/solvability.hpp"
@@ -24,11 +22,6 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                               const std::type_identity_t<Place<T>>& place,
                                               std::type_identity_t<std::span<T>> Lambda_inverse);
-
-template <RecursionRepresentation Rep = BodyFixed, class... Arguments>
-[[deprecated("use inverse_operational_space_inertia")]] Solvability mobility(Arguments&&... arguments) {
-  return inverse_operational_space_inertia<Rep>(std::forward<Arguments>(arguments)...);
-}
 
 /// Computes the operational-space inertia (J M⁻¹ Jᵀ)⁻¹ (36 entries) for the Jacobian J of a place (a frame or
 /// a point on a body) and the mass matrix M: the apparent inertia of the place against a wrench. If the place

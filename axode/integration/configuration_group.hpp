@@ -122,15 +122,6 @@ template <class T, class S = T> class ConfigurationGroup {
           [](const Screw<T>& X, const Screw<T>& P) { return dcay_transpose(X, P); }, first(p));
     }
   }
-  [[deprecated("use ad_transpose()")]] void cobracket(const auto& x, const auto& p, auto&& out) const {
-    ad_transpose(x, p, out);
-  }
-  [[deprecated("use Ad_transpose()")]] void carry(const auto& x, const auto& p, auto&& out) const {
-    Ad_transpose(x, p, out);
-  }
-  [[deprecated("use dexp_transpose()")]] void codexp(const auto& x, const auto& p, auto&& out) const {
-    dexp_transpose(x, p, out);
-  }
 
  private:
   const Tree<S>& tree() const { return *tree_; }

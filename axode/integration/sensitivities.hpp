@@ -36,7 +36,6 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, s
 /// A function that is called before each step. If it returns false, the computation ends, the results are
 /// NaN, and not_finite is set in the returned status.
 using Monitor = std::function<bool()>;
-using GoOn [[deprecated("use Monitor")]] = Monitor;
 
 /// Computes the displacements of all states of a motion of K steps, under K rows of nv drive forces, if its
 /// start q is displaced by dq, its initial velocity by dv and the forces by dtau (K nv numbers). dq_out and

@@ -1,7 +1,6 @@
 #pragma once
 #include <functional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
@@ -137,11 +136,6 @@ Trajectory simulate_symplectic(const Model& model, std::span<const double> q, st
 /// coordinates, and collision shapes that contact cannot use, such as a mesh without a convex hull.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const SimulationOptions& options = {});
-
-template <class... Arguments>
-[[deprecated("use simulate_symplectic()")]] Trajectory simulate_conserving(Arguments&&... arguments) {
-  return simulate_symplectic(std::forward<Arguments>(arguments)...);
-}
 
 /// Integrates configuration and momenta (q, p) with an explicit Runge-Kutta-Munthe-Kaas method. The momenta
 /// of floating bases are exact to rounding, but the method is not symplectic. Loops are closed again after

@@ -73,7 +73,6 @@ class Trajectory {
 
   /// Removes the state at the last end of a step.
   void pop_back();
-  [[deprecated("use pop_back()")]] void take_back() { pop_back(); }
 
   std::size_t steps = 0, rejected = 0;  ///< steps that were taken, and attempts that were rejected
   /// Number of adaptive steps that ignored their error estimate, near a meeting of branches of the motion
@@ -86,7 +85,6 @@ class Trajectory {
     std::size_t event;
     double t;
   };
-  using Met [[deprecated("use EventOccurrence")]] = EventOccurrence;
   std::vector<EventOccurrence> events;  ///< in the order of time
 
   /// An event of a coupling with play: the play reaches one of its ends or leaves it.

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import difflib
 import importlib
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -135,10 +134,9 @@ from .records import (
     TaskSingularity,
 )
 from .simulation import reconstruct, rollout, simulate
-from .support import copies as _copies, former_names as _former_names
+from .support import copies as _copies
 from .viewer import Viewer, view
 
-_former_names.install()
 _copies.install()
 
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
@@ -202,9 +200,6 @@ if not TYPE_CHECKING:  # to a type checker every name would be known
             # hasattr catches AttributeError only; `import axode.jax` raises ImportError.
             except ImportError as error:
                 raise AttributeError(str(error)) from error
-        if now := _former_names.functions.get(name):
-            warnings.warn(f"axode.{name} is now {now}", DeprecationWarning, stacklevel=2)
-            return globals()[now]
         message = f"module {__name__!r} has no attribute {name!r}"
         if (here := _name_here(name)) in __all__:
             raise AttributeError(f"{message}; it is called {here!r} here")
