@@ -26,11 +26,12 @@ inline constexpr Count without_contacts =
 /// For functions that include damping and dry friction but refuse gear losses, which depend on gear forces.
 inline constexpr Count without_gears{
     Word::partly, "losses of gears are refused; inverse_dynamics, forward_dynamics and simulate count them"};
-/// Returns `counts` with another treatment of joint losses.
-consteval Counts with_losses(Counts counts, Count joint_losses) {
-  counts.joint_losses = joint_losses;
+/// Returns `counts` with another treatment of one property.
+consteval Counts with(Counts counts, Count Counts::*property, Count treatment) {
+  counts.*property = treatment;
   return counts;
 }
+/// Quantities of the cut tree, which are defined without any of the properties.
 inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .passive_joints = of_the_tree(),
                                   .springs = of_the_tree(),
@@ -39,51 +40,18 @@ inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .drives = of_the_tree(),
                                   .plays = of_the_tree(),
                                   .contacts = of_the_tree()};
-inline constexpr Counts of_loads{.loops = of_the_tree(),
-                                 .passive_joints = of_the_tree(),
-                                 .springs = of_the_tree(),
-                                 .joint_losses = without_gears,
-                                 .motions = of_the_tree(),
-                                 .drives = of_the_tree(),
-                                 .plays = of_the_tree(),
-                                 .contacts = of_the_tree()};
-inline constexpr Counts of_columns{
-    .loops = of_the_tree("loops allow only velocities v with loop_jacobian(q) v = 0"),
-    .passive_joints = of_the_tree(),
-    .springs = of_the_tree(),
-    .joint_losses = of_the_tree(),
-    .motions = of_the_tree(),
-    .drives = of_the_tree(),
-    .plays = of_the_tree(),
-    .contacts = of_the_tree()};
-inline constexpr Counts of_terms{
-    .loops = of_the_tree(
-        "independent_equations has the terms that belong to independent velocities of closed loops"),
-    .passive_joints = of_the_tree(),
-    .springs = of_the_tree(),
-    .joint_losses = of_the_tree(),
-    .motions = of_the_tree(),
-    .drives = of_the_tree(),
-    .plays = of_the_tree(),
-    .contacts = of_the_tree()};
-inline constexpr Counts of_gravity{
-    .loops = of_the_tree(
-        "inverse_dynamics with v = a = 0 gives the drive forces that hold a mechanism with loops"),
-    .passive_joints = of_the_tree(),
-    .springs = of_the_tree(),
-    .joint_losses = of_the_tree(),
-    .motions = of_the_tree(),
-    .drives = of_the_tree(),
-    .plays = of_the_tree(),
-    .contacts = of_the_tree()};
-inline constexpr Counts of_springs{.loops = of_the_tree(),
-                                   .passive_joints = of_the_tree(),
-                                   .springs = counted,
-                                   .joint_losses = of_the_tree(),
-                                   .motions = of_the_tree(),
-                                   .drives = of_the_tree(),
-                                   .plays = of_the_tree(),
-                                   .contacts = of_the_tree()};
+inline constexpr Counts of_loads = with(of_motion, &Counts::joint_losses, without_gears);
+inline constexpr Counts of_columns =
+    with(of_motion, &Counts::loops, of_the_tree("loops allow only velocities v with loop_jacobian(q) v = 0"));
+inline constexpr Counts of_terms = with(
+    of_motion, &Counts::loops,
+    of_the_tree("independent_equations has the terms that belong to independent velocities of closed loops"));
+inline constexpr Counts of_gravity = with(
+    of_motion, &Counts::loops,
+    of_the_tree("inverse_dynamics with v = a = 0 gives the drive forces that hold a mechanism with loops"));
+inline constexpr Counts of_springs = with(of_motion, &Counts::springs, counted);
+/// Quantities of the tree that only loops change.
+inline constexpr Counts of_loops = with(of_motion, &Counts::loops, counted);
 inline constexpr Counts of_forces{
     .loops = counted,
     .passive_joints = {Word::optional, "a LoopWorkspace, or drives in Python, leaves them without forces"},
@@ -93,14 +61,7 @@ inline constexpr Counts of_forces{
     .drives = forces_of_drives,
     .plays = free_plays,
     .contacts = without_contacts};
-inline constexpr Counts of_wrenches{.loops = counted,
-                                    .passive_joints = of_the_tree(),
-                                    .springs = of_the_tree(),
-                                    .joint_losses = optional,
-                                    .motions = of_the_tree(),
-                                    .drives = of_the_tree(),
-                                    .plays = of_the_tree(),
-                                    .contacts = of_the_tree()};
+inline constexpr Counts of_wrenches = with(of_loops, &Counts::joint_losses, optional);
 inline constexpr Counts of_accelerations{.loops = counted,
                                          .passive_joints = of_the_tree(),
                                          .springs = of_the_tree(add_springs),
@@ -109,15 +70,10 @@ inline constexpr Counts of_accelerations{.loops = counted,
                                          .drives = forces_of_drives,
                                          .plays = free_plays,
                                          .contacts = without_contacts};
-inline constexpr Counts of_variations_of_accelerations = with_losses(of_accelerations, without_gears);
-inline constexpr Counts of_impulses{.loops = counted,
-                                    .passive_joints = of_the_tree(),
-                                    .springs = of_the_tree(),
-                                    .joint_losses = of_the_tree(),
-                                    .motions = refused("reduced locks the joints that they move"),
-                                    .drives = of_the_tree(),
-                                    .plays = of_the_tree(),
-                                    .contacts = of_the_tree()};
+inline constexpr Counts of_variations_of_accelerations =
+    with(of_accelerations, &Counts::joint_losses, without_gears);
+inline constexpr Counts of_impulses =
+    with(of_loops, &Counts::motions, refused("reduced locks the joints that they move"));
 inline constexpr Counts of_momentum_form{
     .loops = refused("forward_dynamics counts them; momenta(q, v) of its motion are those of the mechanism"),
     .passive_joints = of_the_tree(),

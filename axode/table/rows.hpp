@@ -344,12 +344,12 @@ AXODE_ROW(inverse_dynamics_second_derivatives, .purpose = "The second partial de
           .shape = {nv, nv, nv}, .columns = false, .symbols = {"by q, q", "by q, v", "by v, v", "by a, q"},
           .cost = cubic, .allocates = false, .memory = may_share, .may_fail = false,
           .derivative_of = "inverse_dynamics", .lanes = false, .tape = false,
-          .counts = with_losses(of_derivatives_of_forces, of_the_tree()))
+          .counts = with(of_derivatives_of_forces, &Counts::joint_losses, of_the_tree()))
 AXODE_ROW(forward_dynamics_second_derivatives, .purpose = "The second partial derivatives are those of each "
               "acceleration of forward_dynamics, without loads.", .units = "of a per units of the directions",
           .takes = {q, v, tau}, .choice = none, .entry = number, .shape = {nv, nv, nv}, .columns = false,
           .symbols = {"by q, q", "by q, v", "by v, v", "by tau, q"}, .cost = cubic, .allocates = false,
           .memory = own, .may_fail = true, .derivative_of = "forward_dynamics", .lanes = false, .tape = false,
-          .counts = with_losses(of_derivatives_of_accelerations, of_the_tree()))
+          .counts = with(of_derivatives_of_accelerations, &Counts::joint_losses, of_the_tree()))
 // clang-format on
 #undef AXODE_ROW
