@@ -1,16 +1,12 @@
 #include "apps/commands/chart.hpp"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <set>
 
@@ -19,71 +15,14 @@
 #include "apps/quantities/curve_colors.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
+#include "apps/shell/gnuplot.hpp"
 #include "apps/shell/table.hpp"
-
-extern char** environ;
 
 namespace axode::command {
 namespace {
 
 constexpr std::size_t most_lines = 8, most_points = 2000, longest_name = 60;
-constexpr std::size_t most_dots = 50;  ///< a line with at most this number of points has dots at its
-                                       ///< points
-
-// ----------------------------------------------------------------------------------------------------
-// gnuplot
-
-struct Outcome {
-  int status;
-  std::string out, err;
-};
-
-class TemporaryFile {
- public:
-  TemporaryFile() : file_(std::tmpfile(), std::fclose) {
-    if (!file_) throw InputError("gnuplot: no temporary file can be created");
-  }
-  int descriptor() const { return fileno(file_.get()); }
-  void write(const std::string& text) {
-    if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0)
-      throw InputError("gnuplot: a temporary file cannot be written");
-    std::rewind(file_.get());
-  }
-  std::string text() {
-    std::rewind(file_.get());
-    std::string all;
-    std::array<char, 65536> block;
-    for (std::size_t n; (n = std::fread(block.data(), 1, block.size(), file_.get())) > 0;)
-      all.append(block.data(), n);
-    return all;
-  }
-
- private:
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-};
-
-/// Runs gnuplot with the script on its standard input, and returns its output; empty if gnuplot is not
-/// installed.
-std::optional<Outcome> gnuplot(const std::string& script) {
-  TemporaryFile in, out, err;
-  in.write(script);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_adddup2(&files, in.descriptor(), 0);
-  posix_spawn_file_actions_adddup2(&files, out.descriptor(), 1);
-  posix_spawn_file_actions_adddup2(&files, err.descriptor(), 2);
-  std::array<std::string, 3> words{"gnuplot", "--default-settings", "-"};
-  std::array<char*, 4> argv{words[0].data(), words[1].data(), words[2].data(), nullptr};
-  pid_t child = 0;
-  const int failure = posix_spawnp(&child, argv[0], &files, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  int status = 0;
-  if (failure != 0 || waitpid(child, &status, 0) != child) return std::nullopt;
-  return Outcome{status, out.text(), err.text()};
-}
-
-// -----------------------------------------------------------------------------------------------------
-// script
+constexpr std::size_t most_dots = 50;  ///< a line of at most this number of points has dots at its points
 
 /// The text as a string literal of gnuplot. All bytes except letters and blanks are written as octal numbers;
 /// digits are written as octal numbers too, because gnuplot would read a digit that follows an octal number
@@ -456,7 +395,7 @@ ChartFile::ChartFile(std::string option, std::string file)
 void ChartFile::draw(const Chart& chart) const {
   Script script(chart);
   if (script.empty()) throw InputError(option_ + ": there are no numbers to draw");
-  const std::optional<Outcome> drawn =
+  const std::optional<GnuplotOutcome> drawn =
       gnuplot(format_ == Format::svg ? script.text("svg background rgb \"white\"", 1)
                                      : script.text("pngcairo background rgb \"white\"", 2));
   if (!drawn || drawn->status != 0 || drawn->out.empty())
