@@ -170,28 +170,12 @@ template <class G, class T> struct FastArticulatedBodies {
   template <class S> void solve_one(const Tree<S>& tree, Motion* motion, T* x) noexcept {
     Vector m{}, f{};
     for (int i = tree->n; i > 0; --i) {
-      const Body& b = body[i];
       if (tree->branches[i]) {
         m += child_sum[i].m;
         f += child_sum[i].f;
         child_sum[i].m = child_sum[i].f = Vector{};
       }
-      if (is_hinge(tree, i)) [[likely]] {
-        Pivot& c = pivot[tree->first_screw[i]];
-        const Number g = Number(x[tree->iv[i]]) - dot(b.n, m);
-        c.u = c.D_inv * g;
-        m += cross(Factor(b.r), Factor(f)) + g * c.K_m;
-        f += g * c.K_f;
-      } else {
-        for (int s = tree->first_screw[i + 1]; s-- > tree->first_screw[i];) {
-          Pivot& c = pivot[s];
-          const Number g = Number(x[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f);
-          c.u = c.D_inv * g;
-          m += g * c.K_m;
-          f += g * c.K_f;
-        }
-        m += cross(Factor(b.r), Factor(f));
-      }
+      pass_wrench(tree, i, x, m, f);
       const int p = tree->parent[i];
       if (p > 0 && p != i - 1) {
         child_sum[p].m += m;
@@ -236,44 +220,52 @@ template <class G, class T> struct FastArticulatedBodies {
   }
 
  private:
+  /// Computes u of the eliminated joint i from its drive forces, which are part of x (nv numbers), and from
+  /// the wrench (m, f) on body i about its origin, which becomes the wrench on the predecessor about the
+  /// origin of the predecessor.
+  template <class S>
+  [[gnu::always_inline]] void pass_wrench(const Tree<S>& tree, int i, const T* x, Vector& m,
+                                          Vector& f) noexcept {
+    const Body& b = body[i];
+    if (is_hinge(tree, i)) [[likely]] {
+      Pivot& c = pivot[tree->first_screw[i]];
+      const Number g = Number(x[tree->iv[i]]) - dot(b.n, m);
+      c.u = c.D_inv * g;
+      m += cross(Factor(b.r), Factor(f)) + g * c.K_m;
+      f += g * c.K_f;
+      return;
+    }
+    for (int s = tree->first_screw[i + 1]; s-- > tree->first_screw[i];) {
+      Pivot& c = pivot[s];
+      const Number g = Number(x[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f);
+      c.u = c.D_inv * g;
+      m += g * c.K_m;
+      f += g * c.K_f;
+    }
+    m += cross(Factor(b.r), Factor(f));
+  }
+
   /// The backward sweep: it eliminates the joints and, if `forces`, computes u of every joint from `tau`.
   template <bool forces, class S> void sweep(const Tree<S>& tree, const T* tau) noexcept {
     Articulated M{};
     Vector m{}, f{};
     for (int i = tree->n; i > 0; --i) {
-      const Body& b = body[i];
       M += inertia(tree, i);
       if (tree->branches[i]) M += child_sum[i].M;
       if constexpr (forces) {
-        m += b.m;
-        f += b.f;
+        m += body[i].m;
+        f += body[i].f;
         if (tree->branches[i]) {
           m += child_sum[i].m;
           f += child_sum[i].f;
           child_sum[i].m = child_sum[i].f = Vector{};
         }
       }
-      if (is_hinge(tree, i)) [[likely]] {
-        [[maybe_unused]] Pivot& c = eliminate_hinge(tree, i, tree.armature.data(), M);
-        if constexpr (forces) {
-          const Number g = Number(tau[tree->iv[i]]) - dot(b.n, m);
-          c.u = c.D_inv * g;
-          m += cross(Factor(b.r), Factor(f)) + g * c.K_m;
-          f += g * c.K_f;
-        }
-      } else {
+      if (is_hinge(tree, i)) [[likely]]
+        eliminate_hinge(tree, i, tree.armature.data(), M);
+      else
         eliminate_screws(tree, i, tree.armature.data(), M);
-        if constexpr (forces) {
-          for (int s = tree->first_screw[i + 1]; s-- > tree->first_screw[i];) {
-            Pivot& c = pivot[s];
-            const Number g = Number(tau[tree->iv[i] + s - tree->first_screw[i]]) - dot(c.w, m, c.v, f);
-            c.u = c.D_inv * g;
-            m += g * c.K_m;
-            f += g * c.K_f;
-          }
-          m += cross(Factor(b.r), Factor(f));
-        }
-      }
+      if constexpr (forces) pass_wrench(tree, i, tau, m, f);
       const int p = tree->parent[i];
       if (p > 0 && p != i - 1) {
         child_sum[p].M += M;
@@ -463,8 +455,8 @@ template <class G, class T> struct FastArticulatedBodies {
   /// Eliminates the hinge of body i. M, the articulated inertia of body i, becomes the contribution to the
   /// inertia of the predecessor, about the origin of the predecessor.
   template <class S>
-  [[gnu::always_inline]] Pivot& eliminate_hinge(const Tree<S>& tree, int i, const S* armature,
-                                                Articulated& M) noexcept {
+  [[gnu::always_inline]] void eliminate_hinge(const Tree<S>& tree, int i, const S* armature,
+                                              Articulated& M) noexcept {
     const Body& b = body[i];
     const auto [U_m, U_f] = about_axis(M, b.n);
     const Number D = dot(b.n, U_m) + Number(T(armature[tree->iv[i]])), D_inv = Number(T(1)) / D;
@@ -477,7 +469,6 @@ template <class G, class T> struct FastArticulatedBodies {
     c.K_m = K_m;
     c.K_f = K_f;
     c.D_inv = D_inv;
-    return c;
   }
   /// Eliminates the screws of joint i, of any kind. M becomes its contribution to the predecessor's inertia.
   template <class S>
