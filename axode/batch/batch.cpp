@@ -98,10 +98,8 @@ Outcome run(const Model& model, catalog::Id function,
         };
   }));
 }
-template Outcome run<double>(const Model&, catalog::Id, const catalog::Arguments<double>&, std::span<double>,
-                             int, const Monitor&);
-template Outcome run<float>(const Model&, catalog::Id, const catalog::Arguments<float>&, std::span<float>,
-                            int, const Monitor&);
+template decltype(run<double>) run<double>;
+template decltype(run<float>) run<float>;
 
 const char* instruction_set() { return axode::instruction_set(); }
 

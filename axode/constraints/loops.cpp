@@ -78,15 +78,10 @@ void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Nu
 }
 
 template class LoopWorkspace<AXODE_T>;
-template AXODE_ENTRY void loop_residual(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                        std::span<AXODE_T>);
-template AXODE_ENTRY void loop_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                        std::span<AXODE_T>);
-template AXODE_ENTRY void loop_residual_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                 std::span<AXODE_T>);
-template AXODE_ENTRY void loop_hessian_product(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                               Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>);
-template AXODE_ENTRY void loop_bias(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                    std::span<AXODE_T>);
+template AXODE_ENTRY decltype(loop_residual<AXODE_T>) loop_residual<AXODE_T>;
+template AXODE_ENTRY decltype(loop_jacobian<AXODE_T>) loop_jacobian<AXODE_T>;
+template AXODE_ENTRY decltype(loop_residual_jacobian<AXODE_T>) loop_residual_jacobian<AXODE_T>;
+template AXODE_ENTRY decltype(loop_hessian_product<AXODE_T>) loop_hessian_product<AXODE_T>;
+template AXODE_ENTRY decltype(loop_bias<AXODE_T>) loop_bias<AXODE_T>;
 
 }  // namespace axode

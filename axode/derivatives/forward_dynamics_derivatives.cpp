@@ -22,10 +22,6 @@ Solvability forward_dynamics_derivatives(const Model& model, Workspace<T>& works
   return solved(verdict, {da.q, da.v, da.tau});
 }
 
-template AXODE_ENTRY Solvability forward_dynamics_derivatives(const Model&, Workspace<AXODE_T>&,
-                                                              Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                              Numbers<AXODE_T>,
-                                                              const ForwardDynamicsDerivatives<AXODE_T>&,
-                                                              const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(forward_dynamics_derivatives<AXODE_T>) forward_dynamics_derivatives<AXODE_T>;
 
 }  // namespace axode

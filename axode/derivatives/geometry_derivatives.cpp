@@ -108,25 +108,13 @@ void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, 
   });
 }
 
-template AXODE_ENTRY void inverse_dynamics_geometry_derivatives(const Model&, Workspace<AXODE_T>&,
-                                                                Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                                Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                                const Loads<AXODE_T>&);
-template AXODE_ENTRY Solvability forward_dynamics_geometry_derivatives(const Model&, Workspace<AXODE_T>&,
-                                                                       Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                                       Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                                       const Loads<AXODE_T>&);
-template AXODE_ENTRY void inverse_dynamics_geometry_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                        Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                        std::span<AXODE_T>, const Loads<AXODE_T>&);
-template AXODE_ENTRY Solvability forward_dynamics_geometry_vjp(const Model&, Workspace<AXODE_T>&,
-                                                               Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                               Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                               std::span<AXODE_T>, const Loads<AXODE_T>&);
-template AXODE_ENTRY void frame_geometry_jacobian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                  const Place<AXODE_T>&, std::span<AXODE_T>);
-template AXODE_ENTRY void jacobian_geometry_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                        const Place<AXODE_T>&,
-                                                        std::span<Twist<BodyFixed, AXODE_T>>);
+template AXODE_ENTRY decltype(inverse_dynamics_geometry_derivatives<AXODE_T>)
+    inverse_dynamics_geometry_derivatives<AXODE_T>;
+template AXODE_ENTRY decltype(forward_dynamics_geometry_derivatives<AXODE_T>)
+    forward_dynamics_geometry_derivatives<AXODE_T>;
+template AXODE_ENTRY decltype(inverse_dynamics_geometry_vjp<AXODE_T>) inverse_dynamics_geometry_vjp<AXODE_T>;
+template AXODE_ENTRY decltype(forward_dynamics_geometry_vjp<AXODE_T>) forward_dynamics_geometry_vjp<AXODE_T>;
+template AXODE_ENTRY decltype(frame_geometry_jacobian<AXODE_T>) frame_geometry_jacobian<AXODE_T>;
+template AXODE_ENTRY decltype(jacobian_geometry_derivatives<AXODE_T>) jacobian_geometry_derivatives<AXODE_T>;
 
 }  // namespace axode

@@ -24,9 +24,6 @@ void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, N
   first_order.write(tree, loads, dtau.q.data(), dtau.v.data(), dtau.a.data());
 }
 
-template AXODE_ENTRY void inverse_dynamics_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                       Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                       const InverseDynamicsDerivatives<AXODE_T>&,
-                                                       const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(inverse_dynamics_derivatives<AXODE_T>) inverse_dynamics_derivatives<AXODE_T>;
 
 }  // namespace axode

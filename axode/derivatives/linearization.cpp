@@ -1,7 +1,6 @@
 #include "axode/derivatives/linearization.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "axode/derivatives/displacement/velocity_bracket.hpp"
 #include "axode/derivatives/forward_dynamics_derivatives.hpp"
@@ -84,12 +83,7 @@ Solvability linearize_without_drives(const Model& model, Workspace<T>& workspace
   return solved(verdict, {A, B});
 }
 
-template AXODE_ENTRY Solvability linearize(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                           Numbers<AXODE_T>, Numbers<AXODE_T>, const Linearization<AXODE_T>&,
-                                           const Loads<AXODE_T>&);
-template AXODE_ENTRY Solvability linearize_without_drives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                          Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                          const Linearization<AXODE_T>&,
-                                                          const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(linearize<AXODE_T>) linearize<AXODE_T>;
+template AXODE_ENTRY decltype(linearize_without_drives<AXODE_T>) linearize_without_drives<AXODE_T>;
 
 }  // namespace axode

@@ -17,9 +17,6 @@ Solvability momentum_form_derivatives(const Model& model, Workspace<T>& workspac
   return solved(verdict, {d.v_q, d.v_p, d.dp_q, d.dp_p});
 }
 
-template AXODE_ENTRY Solvability momentum_form_derivatives(const Model&, Workspace<AXODE_T>&,
-                                                           Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                           const MomentumFormDerivatives<AXODE_T>&,
-                                                           const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(momentum_form_derivatives<AXODE_T>) momentum_form_derivatives<AXODE_T>;
 
 }  // namespace axode

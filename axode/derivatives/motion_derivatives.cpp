@@ -179,17 +179,8 @@ void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbe
   });
 }
 
-template void motion_derivatives<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                            Numbers<AXODE_T>, Numbers<AXODE_T>, const Place<AXODE_T>&,
-                                            const MotionDerivatives<AXODE_REP, AXODE_T>&);
-template MotionChange<AXODE_REP, AXODE_T> motion_jvp<AXODE_REP>(const Model&, Workspace<AXODE_T>&,
-                                                                Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                                Numbers<AXODE_T>, const Place<AXODE_T>&,
-                                                                Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                                Numbers<AXODE_T>);
-template void motion_vjp<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                    Numbers<AXODE_T>, const Place<AXODE_T>&,
-                                    const MotionWeights<AXODE_REP, AXODE_T>&,
-                                    const MotionGradients<AXODE_T>&);
+template decltype(motion_derivatives<AXODE_REP, AXODE_T>) motion_derivatives<AXODE_REP, AXODE_T>;
+template decltype(motion_jvp<AXODE_REP, AXODE_T>) motion_jvp<AXODE_REP, AXODE_T>;
+template decltype(motion_vjp<AXODE_REP, AXODE_T>) motion_vjp<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

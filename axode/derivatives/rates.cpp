@@ -89,20 +89,14 @@ void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, 
 }
 
 template class InverseDynamicsRates<AXODE_T>;
-template AXODE_ENTRY void second_order_inverse_dynamics<BodyFixed>(const Model&, Workspace<AXODE_T>&,
-                                                                   Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                                   std::span<AXODE_T>, const Loads<AXODE_T>&);
-template AXODE_ENTRY void second_order_inverse_dynamics<Spatial>(const Model&, Workspace<AXODE_T>&,
-                                                                 Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                                 std::span<AXODE_T>, const Loads<AXODE_T>&);
-template AXODE_ENTRY void second_order_inverse_dynamics<Hybrid>(const Model&, Workspace<AXODE_T>&,
-                                                                Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                                std::span<AXODE_T>, const Loads<AXODE_T>&);
-template AXODE_ENTRY void second_order_inverse_dynamics<Mixed>(const Model&, Workspace<AXODE_T>&,
-                                                               Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                               std::span<AXODE_T>, const Loads<AXODE_T>&);
-template AXODE_ENTRY Solvability forward_dynamics_rates(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                        Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                        std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(second_order_inverse_dynamics<BodyFixed, AXODE_T>)
+    second_order_inverse_dynamics<BodyFixed, AXODE_T>;
+template AXODE_ENTRY decltype(second_order_inverse_dynamics<Spatial, AXODE_T>)
+    second_order_inverse_dynamics<Spatial, AXODE_T>;
+template AXODE_ENTRY decltype(second_order_inverse_dynamics<Hybrid, AXODE_T>)
+    second_order_inverse_dynamics<Hybrid, AXODE_T>;
+template AXODE_ENTRY decltype(second_order_inverse_dynamics<Mixed, AXODE_T>)
+    second_order_inverse_dynamics<Mixed, AXODE_T>;
+template AXODE_ENTRY decltype(forward_dynamics_rates<AXODE_T>) forward_dynamics_rates<AXODE_T>;
 
 }  // namespace axode

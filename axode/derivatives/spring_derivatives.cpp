@@ -184,7 +184,6 @@ void spring_force_derivatives(const Model& model, Workspace<T>& workspace, Numbe
                spring.geometry);
 }
 
-template AXODE_ENTRY void spring_force_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                   Numbers<AXODE_T>, const StateDerivatives<AXODE_T>&);
+template AXODE_ENTRY decltype(spring_force_derivatives<AXODE_T>) spring_force_derivatives<AXODE_T>;
 
 }  // namespace axode

@@ -44,14 +44,9 @@ void kinetic_energy_gradient(const Model& model, Workspace<T>& workspace, Number
   std::copy_n(s.vjp.by_a, gradient.v.size(), gradient.v.data());
 }
 
-template AXODE_ENTRY void gravity_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                              std::span<AXODE_T>);
-template AXODE_ENTRY void coriolis_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                               Numbers<AXODE_T>, const StateDerivatives<AXODE_T>&);
-template AXODE_ENTRY void generalized_load_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                       Numbers<AXODE_T>, const Loads<AXODE_T>&,
-                                                       const StateDerivatives<AXODE_T>&);
-template AXODE_ENTRY void kinetic_energy_gradient(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                  Numbers<AXODE_T>, const StateDerivatives<AXODE_T>&);
+template AXODE_ENTRY decltype(gravity_derivatives<AXODE_T>) gravity_derivatives<AXODE_T>;
+template AXODE_ENTRY decltype(coriolis_derivatives<AXODE_T>) coriolis_derivatives<AXODE_T>;
+template AXODE_ENTRY decltype(generalized_load_derivatives<AXODE_T>) generalized_load_derivatives<AXODE_T>;
+template AXODE_ENTRY decltype(kinetic_energy_gradient<AXODE_T>) kinetic_energy_gradient<AXODE_T>;
 
 }  // namespace axode

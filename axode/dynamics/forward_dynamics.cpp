@@ -52,9 +52,6 @@ Solvability forward_dynamics(const Model& model, Workspace<T>& workspace, Number
   }
 }
 
-template AXODE_ENTRY Solvability forward_dynamics<AXODE_REP>(const Model&, Workspace<AXODE_T>&,
-                                                             Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                             Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                             const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(forward_dynamics<AXODE_REP, AXODE_T>) forward_dynamics<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

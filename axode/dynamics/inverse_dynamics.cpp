@@ -23,8 +23,6 @@ void inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   losses.add(tau);
 }
 
-template AXODE_ENTRY void inverse_dynamics<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                      const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(inverse_dynamics<AXODE_REP, AXODE_T>) inverse_dynamics<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

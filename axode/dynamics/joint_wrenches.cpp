@@ -28,8 +28,6 @@ void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, N
     });
 }
 
-template void joint_wrenches<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                        Numbers<AXODE_T>, std::span<Wrench<AXODE_REP, AXODE_T>>,
-                                        const Loads<AXODE_T>&, WrenchPoint);
+template decltype(joint_wrenches<AXODE_REP, AXODE_T>) joint_wrenches<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

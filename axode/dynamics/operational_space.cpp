@@ -67,12 +67,10 @@ Solvability operational_space_inertia(const Model& model, Workspace<T>& workspac
   return solvability;
 }
 
-template Solvability impulse_response<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                 const Place<AXODE_T>&, std::span<Twist<AXODE_REP, AXODE_T>>);
-template Solvability inverse_operational_space_inertia<AXODE_REP>(const Model&, Workspace<AXODE_T>&,
-                                                                  Numbers<AXODE_T>, const Place<AXODE_T>&,
-                                                                  std::span<AXODE_T>);
-template Solvability operational_space_inertia<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                          const Place<AXODE_T>&, std::span<AXODE_T>);
+template decltype(impulse_response<AXODE_REP, AXODE_T>) impulse_response<AXODE_REP, AXODE_T>;
+template decltype(inverse_operational_space_inertia<AXODE_REP, AXODE_T>)
+    inverse_operational_space_inertia<AXODE_REP, AXODE_T>;
+template decltype(operational_space_inertia<AXODE_REP, AXODE_T>)
+    operational_space_inertia<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

@@ -157,12 +157,9 @@ T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<
   return std::visit(Coordinate<T>{tree, q.data()}, spring.geometry);
 }
 
-template AXODE_ENTRY void spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                        std::span<AXODE_T>);
-template AXODE_ENTRY void add_spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                            Numbers<AXODE_T>, std::span<AXODE_T>);
-template AXODE_ENTRY AXODE_T elastic_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
-template AXODE_ENTRY AXODE_T spring_coordinate(const Model&, Workspace<AXODE_T>&, int, Numbers<AXODE_T>,
-                                               std::span<AXODE_T>);
+template AXODE_ENTRY decltype(spring_forces<AXODE_T>) spring_forces<AXODE_T>;
+template AXODE_ENTRY decltype(add_spring_forces<AXODE_T>) add_spring_forces<AXODE_T>;
+template AXODE_ENTRY decltype(elastic_energy<AXODE_T>) elastic_energy<AXODE_T>;
+template AXODE_ENTRY decltype(spring_coordinate<AXODE_T>) spring_coordinate<AXODE_T>;
 
 }  // namespace axode

@@ -98,12 +98,9 @@ void centroidal_momentum_matrix_rate(const Model& model, Workspace<T>& workspace
 }
 
 template AXODE_ENTRY Vec3<AXODE_T> center_of_mass(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
-template AXODE_ENTRY void center_of_mass_jacobian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                  std::span<Vec3<AXODE_T>>);
-template AXODE_ENTRY void centroidal_momentum_matrix(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                     std::span<Momentum<Hybrid, AXODE_T>>);
-template AXODE_ENTRY void centroidal_momentum_matrix_rate(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                          Numbers<AXODE_T>,
-                                                          std::span<Wrench<Hybrid, AXODE_T>>);
+template AXODE_ENTRY decltype(center_of_mass_jacobian<AXODE_T>) center_of_mass_jacobian<AXODE_T>;
+template AXODE_ENTRY decltype(centroidal_momentum_matrix<AXODE_T>) centroidal_momentum_matrix<AXODE_T>;
+template AXODE_ENTRY decltype(centroidal_momentum_matrix_rate<AXODE_T>)
+    centroidal_momentum_matrix_rate<AXODE_T>;
 
 }  // namespace axode

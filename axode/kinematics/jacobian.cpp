@@ -115,18 +115,13 @@ void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q
     for (Twist<Rep, T>& column : J) column = change<Rep>(C, Twist<BodyFixed, T>{column.w, column.v});
 }
 
-template AXODE_ENTRY void jacobian<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                              const Place<AXODE_T>&, std::span<Twist<AXODE_REP, AXODE_T>>);
+template AXODE_ENTRY decltype(jacobian<AXODE_REP, AXODE_T>) jacobian<AXODE_REP, AXODE_T>;
 template AXODE_ENTRY void jacobians<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                                std::span<Twist<AXODE_REP, AXODE_T>>);
 template AXODE_ENTRY void jacobians<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                                std::span<const Place<AXODE_T>>,
                                                std::span<Twist<AXODE_REP, AXODE_T>>);
-template AXODE_ENTRY std::size_t jacobian_columns<AXODE_REP>(const Model&, Workspace<AXODE_T>&,
-                                                             Numbers<AXODE_T>, const Place<AXODE_T>&,
-                                                             std::span<JacobianColumn<AXODE_REP, AXODE_T>>);
-template AXODE_ENTRY void relative_jacobian<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                       const Place<AXODE_T>&, const Place<AXODE_T>&,
-                                                       std::span<Twist<AXODE_REP, AXODE_T>>);
+template AXODE_ENTRY decltype(jacobian_columns<AXODE_REP, AXODE_T>) jacobian_columns<AXODE_REP, AXODE_T>;
+template AXODE_ENTRY decltype(relative_jacobian<AXODE_REP, AXODE_T>) relative_jacobian<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

@@ -192,39 +192,25 @@ Eigen::VectorXd joint_accelerations(const Model& model, std::span<const double> 
   return least_squares(system.X, dV - system.D * dV - bias);
 }
 
-template SystemMatrices system_matrices<BodyFixed>(const Model&, std::span<const double>);
-template Eigen::VectorXd system_twist<BodyFixed>(const Model&, std::span<const double>,
-                                                 std::span<const double>);
-template Eigen::VectorXd system_acceleration<BodyFixed>(const Model&, std::span<const double>,
-                                                        std::span<const double>, std::span<const double>);
-template Eigen::VectorXd joint_velocities<BodyFixed>(const Model&, std::span<const double>,
-                                                     const Eigen::VectorXd&);
-template Eigen::VectorXd joint_accelerations<BodyFixed>(const Model&, std::span<const double>,
-                                                        const Eigen::VectorXd&, const Eigen::VectorXd&);
-template SystemMatrices system_matrices<Spatial>(const Model&, std::span<const double>);
-template Eigen::VectorXd system_twist<Spatial>(const Model&, std::span<const double>,
-                                               std::span<const double>);
-template Eigen::VectorXd system_acceleration<Spatial>(const Model&, std::span<const double>,
-                                                      std::span<const double>, std::span<const double>);
-template Eigen::VectorXd joint_velocities<Spatial>(const Model&, std::span<const double>,
-                                                   const Eigen::VectorXd&);
-template Eigen::VectorXd joint_accelerations<Spatial>(const Model&, std::span<const double>,
-                                                      const Eigen::VectorXd&, const Eigen::VectorXd&);
-template SystemMatrices system_matrices<Hybrid>(const Model&, std::span<const double>);
-template Eigen::VectorXd system_twist<Hybrid>(const Model&, std::span<const double>, std::span<const double>);
-template Eigen::VectorXd system_acceleration<Hybrid>(const Model&, std::span<const double>,
-                                                     std::span<const double>, std::span<const double>);
-template Eigen::VectorXd joint_velocities<Hybrid>(const Model&, std::span<const double>,
-                                                  const Eigen::VectorXd&);
-template Eigen::VectorXd joint_accelerations<Hybrid>(const Model&, std::span<const double>,
-                                                     const Eigen::VectorXd&, const Eigen::VectorXd&);
-template SystemMatrices system_matrices<Mixed>(const Model&, std::span<const double>);
-template Eigen::VectorXd system_twist<Mixed>(const Model&, std::span<const double>, std::span<const double>);
-template Eigen::VectorXd system_acceleration<Mixed>(const Model&, std::span<const double>,
-                                                    std::span<const double>, std::span<const double>);
-template Eigen::VectorXd joint_velocities<Mixed>(const Model&, std::span<const double>,
-                                                 const Eigen::VectorXd&);
-template Eigen::VectorXd joint_accelerations<Mixed>(const Model&, std::span<const double>,
-                                                    const Eigen::VectorXd&, const Eigen::VectorXd&);
+template decltype(system_matrices<BodyFixed>) system_matrices<BodyFixed>;
+template decltype(system_twist<BodyFixed>) system_twist<BodyFixed>;
+template decltype(system_acceleration<BodyFixed>) system_acceleration<BodyFixed>;
+template decltype(joint_velocities<BodyFixed>) joint_velocities<BodyFixed>;
+template decltype(joint_accelerations<BodyFixed>) joint_accelerations<BodyFixed>;
+template decltype(system_matrices<Spatial>) system_matrices<Spatial>;
+template decltype(system_twist<Spatial>) system_twist<Spatial>;
+template decltype(system_acceleration<Spatial>) system_acceleration<Spatial>;
+template decltype(joint_velocities<Spatial>) joint_velocities<Spatial>;
+template decltype(joint_accelerations<Spatial>) joint_accelerations<Spatial>;
+template decltype(system_matrices<Hybrid>) system_matrices<Hybrid>;
+template decltype(system_twist<Hybrid>) system_twist<Hybrid>;
+template decltype(system_acceleration<Hybrid>) system_acceleration<Hybrid>;
+template decltype(joint_velocities<Hybrid>) joint_velocities<Hybrid>;
+template decltype(joint_accelerations<Hybrid>) joint_accelerations<Hybrid>;
+template decltype(system_matrices<Mixed>) system_matrices<Mixed>;
+template decltype(system_twist<Mixed>) system_twist<Mixed>;
+template decltype(system_acceleration<Mixed>) system_acceleration<Mixed>;
+template decltype(joint_velocities<Mixed>) joint_velocities<Mixed>;
+template decltype(joint_accelerations<Mixed>) joint_accelerations<Mixed>;
 
 }  // namespace axode

@@ -24,10 +24,7 @@ void accelerations(const Model& model, Workspace<T>& workspace, Numbers<T> q, Nu
   motion.template write<Rep>(model.tree<T>(), dV.data());
 }
 
-template AXODE_ENTRY void twists<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                            Numbers<AXODE_T>, std::span<Twist<AXODE_REP, AXODE_T>>);
-template AXODE_ENTRY void accelerations<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                   Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                   std::span<TwistRate<AXODE_REP, AXODE_T>>);
+template AXODE_ENTRY decltype(twists<AXODE_REP, AXODE_T>) twists<AXODE_REP, AXODE_T>;
+template AXODE_ENTRY decltype(accelerations<AXODE_REP, AXODE_T>) accelerations<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

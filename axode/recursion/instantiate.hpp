@@ -4,7 +4,7 @@
 /// The build defines these macros (see cmake/axode_library.cmake); the defaults here are for code editors.
 /// Source files that end in `template ... AXODE_T` are compiled once for each scalar type, and those that
 /// name AXODE_REP once for each representation and scalar type. AXODE_ENTRY marks instantiations for each
-/// instruction set.
+/// instruction set. `template decltype(f<T>) f<T>;` instantiates f with the parameters of its declaration.
 #ifndef AXODE_REP
 #define AXODE_REP BodyFixed
 #endif

@@ -62,21 +62,9 @@ Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Nu
   return solved(verdict, {gradient.q, gradient.v, gradient.tau});
 }
 
-template AXODE_ENTRY void inverse_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                               Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                               Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                               const Loads<AXODE_T>&);
-template AXODE_ENTRY void inverse_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                               Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                               const InverseDynamicsGradients<AXODE_T>&,
-                                               const Loads<AXODE_T>&);
-template AXODE_ENTRY Solvability forward_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                      const Loads<AXODE_T>&);
-template AXODE_ENTRY Solvability forward_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                      const ForwardDynamicsGradients<AXODE_T>&,
-                                                      const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(inverse_dynamics_jvp<AXODE_T>) inverse_dynamics_jvp<AXODE_T>;
+template AXODE_ENTRY decltype(inverse_dynamics_vjp<AXODE_T>) inverse_dynamics_vjp<AXODE_T>;
+template AXODE_ENTRY decltype(forward_dynamics_jvp<AXODE_T>) forward_dynamics_jvp<AXODE_T>;
+template AXODE_ENTRY decltype(forward_dynamics_vjp<AXODE_T>) forward_dynamics_vjp<AXODE_T>;
 
 }  // namespace axode

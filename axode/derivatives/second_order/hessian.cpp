@@ -33,14 +33,7 @@ Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace
   return solved(verdict, {h.qq, h.qv, h.vv, h.tauq});
 }
 
-template AXODE_ENTRY void inverse_dynamics_hessian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                   Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                   const InverseDynamicsHessian<AXODE_T>&,
-                                                   const Loads<AXODE_T>&);
-template AXODE_ENTRY Solvability forward_dynamics_hessian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                          Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                          Numbers<AXODE_T>,
-                                                          const ForwardDynamicsHessian<AXODE_T>&,
-                                                          const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(inverse_dynamics_hessian<AXODE_T>) inverse_dynamics_hessian<AXODE_T>;
+template AXODE_ENTRY decltype(forward_dynamics_hessian<AXODE_T>) forward_dynamics_hessian<AXODE_T>;
 
 }  // namespace axode

@@ -42,11 +42,9 @@ Solvability forward_dynamics_second_derivatives(
   return solved(verdict, {second.qq, second.qv, second.vv, second.tauq});
 }
 
-template AXODE_ENTRY void inverse_dynamics_second_derivatives(
-    const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-    const InverseDynamicsSecondDerivatives<AXODE_T>&);
-template AXODE_ENTRY Solvability
-forward_dynamics_second_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                    Numbers<AXODE_T>, const ForwardDynamicsSecondDerivatives<AXODE_T>&);
+template AXODE_ENTRY decltype(inverse_dynamics_second_derivatives<AXODE_T>)
+    inverse_dynamics_second_derivatives<AXODE_T>;
+template AXODE_ENTRY decltype(forward_dynamics_second_derivatives<AXODE_T>)
+    forward_dynamics_second_derivatives<AXODE_T>;
 
 }  // namespace axode

@@ -212,19 +212,13 @@ template MatrixXd inertia_matrix<BodyFixed>(const Model&, std::span<const double
 template MatrixXd inertia_matrix<Spatial>(const Model&, std::span<const double>);
 template MatrixXd inertia_matrix<Hybrid>(const Model&, std::span<const double>);
 template MatrixXd inertia_matrix<Mixed>(const Model&, std::span<const double>);
-template MatrixXd mass_matrix<BodyFixed>(const Model&, std::span<const double>);
-template MatrixXd mass_matrix<Spatial>(const Model&, std::span<const double>);
-template MatrixXd mass_matrix<Hybrid>(const Model&, std::span<const double>);
-template MatrixXd mass_matrix<Mixed>(const Model&, std::span<const double>);
-template VectorXd projection_equations<BodyFixed>(const Model&, std::span<const double>,
-                                                  std::span<const double>, std::span<const double>,
-                                                  const Loads<double>&);
-template VectorXd projection_equations<Spatial>(const Model&, std::span<const double>,
-                                                std::span<const double>, std::span<const double>,
-                                                const Loads<double>&);
-template VectorXd projection_equations<Hybrid>(const Model&, std::span<const double>, std::span<const double>,
-                                               std::span<const double>, const Loads<double>&);
-template VectorXd projection_equations<Mixed>(const Model&, std::span<const double>, std::span<const double>,
-                                              std::span<const double>, const Loads<double>&);
+template decltype(mass_matrix<BodyFixed>) mass_matrix<BodyFixed>;
+template decltype(mass_matrix<Spatial>) mass_matrix<Spatial>;
+template decltype(mass_matrix<Hybrid>) mass_matrix<Hybrid>;
+template decltype(mass_matrix<Mixed>) mass_matrix<Mixed>;
+template decltype(projection_equations<BodyFixed>) projection_equations<BodyFixed>;
+template decltype(projection_equations<Spatial>) projection_equations<Spatial>;
+template decltype(projection_equations<Hybrid>) projection_equations<Hybrid>;
+template decltype(projection_equations<Mixed>) projection_equations<Mixed>;
 
 }  // namespace axode::closed_form

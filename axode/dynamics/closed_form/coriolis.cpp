@@ -94,9 +94,7 @@ void christoffel(const Model& model, Workspace<T>& workspace, Numbers<T> q,
     });
 }
 
-template AXODE_ENTRY void coriolis_matrix(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, CoriolisForm, std::span<AXODE_T>);
-template AXODE_ENTRY void christoffel(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                      std::span<AXODE_T>);
+template AXODE_ENTRY decltype(coriolis_matrix<AXODE_T>) coriolis_matrix<AXODE_T>;
+template AXODE_ENTRY decltype(christoffel<AXODE_T>) christoffel<AXODE_T>;
 
 }  // namespace axode

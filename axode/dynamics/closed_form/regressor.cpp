@@ -76,11 +76,8 @@ void potential_energy_regressor(const Model& model, Workspace<T>& workspace, Num
   }
 }
 
-template AXODE_ENTRY void regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                    Numbers<AXODE_T>, std::span<AXODE_T>);
-template AXODE_ENTRY void kinetic_energy_regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                   Numbers<AXODE_T>, std::span<AXODE_T>);
-template AXODE_ENTRY void potential_energy_regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                     std::span<AXODE_T>);
+template AXODE_ENTRY decltype(regressor<AXODE_T>) regressor<AXODE_T>;
+template AXODE_ENTRY decltype(kinetic_energy_regressor<AXODE_T>) kinetic_energy_regressor<AXODE_T>;
+template AXODE_ENTRY decltype(potential_energy_regressor<AXODE_T>) potential_energy_regressor<AXODE_T>;
 
 }  // namespace axode

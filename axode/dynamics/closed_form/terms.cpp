@@ -29,12 +29,8 @@ void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q
   for (T& x : Q) x = -x;
 }
 
-template AXODE_ENTRY void coriolis_vector<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                     Numbers<AXODE_T>, std::span<AXODE_T>);
-template AXODE_ENTRY void gravity_torques<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                     std::span<AXODE_T>);
-template AXODE_ENTRY void generalized_loads<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                       Numbers<AXODE_T>, const Loads<AXODE_T>&,
-                                                       std::span<AXODE_T>);
+template AXODE_ENTRY decltype(coriolis_vector<AXODE_REP, AXODE_T>) coriolis_vector<AXODE_REP, AXODE_T>;
+template AXODE_ENTRY decltype(gravity_torques<AXODE_REP, AXODE_T>) gravity_torques<AXODE_REP, AXODE_T>;
+template AXODE_ENTRY decltype(generalized_loads<AXODE_REP, AXODE_T>) generalized_loads<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

@@ -58,9 +58,6 @@ Solvability twist_form(const Model& model, Workspace<T>& workspace, Numbers<T> q
   return verdict;
 }
 
-template Solvability twist_form<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                           std::span<const Twist<AXODE_REP, AXODE_T>>, Numbers<AXODE_T>,
-                                           std::span<AXODE_T>, std::span<TwistRate<AXODE_REP, AXODE_T>>,
-                                           const Loads<AXODE_T>&);
+template decltype(twist_form<AXODE_REP, AXODE_T>) twist_form<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

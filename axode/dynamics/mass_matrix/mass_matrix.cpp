@@ -46,9 +46,8 @@ Solvability inverse_mass_matrix(const Model& model, Workspace<T>& workspace, Num
   return solved(verdict, static_cast<std::ptrdiff_t>(nv * nv), M_inverse.data());
 }
 
-template AXODE_ENTRY void mass_matrix<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                 std::span<AXODE_T>);
-template AXODE_ENTRY Solvability inverse_mass_matrix<AXODE_REP>(const Model&, Workspace<AXODE_T>&,
-                                                                Numbers<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY decltype(mass_matrix<AXODE_REP, AXODE_T>) mass_matrix<AXODE_REP, AXODE_T>;
+template AXODE_ENTRY decltype(inverse_mass_matrix<AXODE_REP, AXODE_T>)
+    inverse_mass_matrix<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

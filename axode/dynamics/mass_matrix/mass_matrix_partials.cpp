@@ -64,9 +64,7 @@ Solvability inverse_mass_matrix_partials(const Model& model, Workspace<T>& works
   return verdict;
 }
 
-template AXODE_ENTRY void mass_matrix_partials(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                               std::span<AXODE_T>);
-template AXODE_ENTRY Solvability inverse_mass_matrix_partials(const Model&, Workspace<AXODE_T>&,
-                                                              Numbers<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY decltype(mass_matrix_partials<AXODE_T>) mass_matrix_partials<AXODE_T>;
+template AXODE_ENTRY decltype(inverse_mass_matrix_partials<AXODE_T>) inverse_mass_matrix_partials<AXODE_T>;
 
 }  // namespace axode

@@ -22,7 +22,6 @@ void body_momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Num
   }
 }
 
-template void body_momenta<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                      std::span<Momentum<AXODE_REP, AXODE_T>>);
+template decltype(body_momenta<AXODE_REP, AXODE_T>) body_momenta<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

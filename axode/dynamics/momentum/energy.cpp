@@ -53,11 +53,9 @@ template <class T> Inertia<T> centroidal_inertia(const Model& model, Workspace<T
   return {sum.m, {}, sum.Theta};
 }
 
-template AXODE_ENTRY AXODE_T kinetic_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                            Numbers<AXODE_T>);
-template AXODE_ENTRY AXODE_T potential_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
-template AXODE_ENTRY void load_powers(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                      const Loads<AXODE_T>&, std::span<AXODE_T>);
-template AXODE_ENTRY Inertia<AXODE_T> centroidal_inertia(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
+template AXODE_ENTRY decltype(kinetic_energy<AXODE_T>) kinetic_energy<AXODE_T>;
+template AXODE_ENTRY decltype(potential_energy<AXODE_T>) potential_energy<AXODE_T>;
+template AXODE_ENTRY decltype(load_powers<AXODE_T>) load_powers<AXODE_T>;
+template AXODE_ENTRY decltype(centroidal_inertia<AXODE_T>) centroidal_inertia<AXODE_T>;
 
 }  // namespace axode

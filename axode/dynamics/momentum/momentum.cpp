@@ -56,13 +56,9 @@ Momentum<Hybrid, T> centroidal_momentum(const Model& model, Workspace<T>& worksp
   return sum;
 }
 
-template AXODE_ENTRY void momenta(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                  std::span<AXODE_T>);
-template AXODE_ENTRY Solvability from_momenta(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                              Numbers<AXODE_T>, std::span<AXODE_T>);
-template AXODE_ENTRY Momentum<Spatial, AXODE_T> spatial_momentum(const Model&, Workspace<AXODE_T>&,
-                                                                 Numbers<AXODE_T>, Numbers<AXODE_T>);
-template AXODE_ENTRY Momentum<Hybrid, AXODE_T> centroidal_momentum(const Model&, Workspace<AXODE_T>&,
-                                                                   Numbers<AXODE_T>, Numbers<AXODE_T>);
+template AXODE_ENTRY decltype(momenta<AXODE_T>) momenta<AXODE_T>;
+template AXODE_ENTRY decltype(from_momenta<AXODE_T>) from_momenta<AXODE_T>;
+template AXODE_ENTRY decltype(spatial_momentum<AXODE_T>) spatial_momentum<AXODE_T>;
+template AXODE_ENTRY decltype(centroidal_momentum<AXODE_T>) centroidal_momentum<AXODE_T>;
 
 }  // namespace axode

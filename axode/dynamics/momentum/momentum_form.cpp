@@ -16,8 +16,6 @@ Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T
                                          dp.data());
 }
 
-template Solvability momentum_form<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                              Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                              std::span<AXODE_T>, const Loads<AXODE_T>&);
+template decltype(momentum_form<AXODE_REP, AXODE_T>) momentum_form<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

@@ -24,10 +24,6 @@ Solvability spatial_momentum_form(const Model& model, Workspace<T>& workspace, N
                                            dPi.data());
 }
 
-template AXODE_ENTRY Solvability spatial_momentum_form(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                       std::span<const Momentum<Spatial, AXODE_T>>,
-                                                       Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                       std::span<Wrench<Spatial, AXODE_T>>,
-                                                       const Loads<AXODE_T>&);
+template AXODE_ENTRY decltype(spatial_momentum_form<AXODE_T>) spatial_momentum_form<AXODE_T>;
 
 }  // namespace axode

@@ -65,11 +65,8 @@ void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numb
   }
 }
 
-template void jacobian_partials<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                           const Place<AXODE_T>&, int, std::span<Twist<AXODE_REP, AXODE_T>>,
-                                           const std::function<bool()>&);
-template void jacobian_derivative_along<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                   const Place<AXODE_T>&, int, Numbers<AXODE_T>,
-                                                   std::span<Twist<AXODE_REP, AXODE_T>>);
+template decltype(jacobian_partials<AXODE_REP, AXODE_T>) jacobian_partials<AXODE_REP, AXODE_T>;
+template decltype(jacobian_derivative_along<AXODE_REP, AXODE_T>)
+    jacobian_derivative_along<AXODE_REP, AXODE_T>;
 
 }  // namespace axode

@@ -26,7 +26,6 @@ void joint_screws(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   });
 }
 
-template AXODE_ENTRY void joint_screws(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                       std::span<Twist<Spatial, AXODE_T>>);
+template AXODE_ENTRY decltype(joint_screws<AXODE_T>) joint_screws<AXODE_T>;
 
 }  // namespace axode
