@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 
 #include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "tests/contact/reference_contacts.hpp"

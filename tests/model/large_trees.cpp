@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 
-#include <ctime>
 #include <functional>
 #include <map>
 

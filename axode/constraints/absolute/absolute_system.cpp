@@ -1,7 +1,6 @@
 #include "axode/constraints/absolute/absolute_system.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "axode/lie/quaternion.hpp"
 #include "axode/model/configuration.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string>
 
 #include "axode/constraints/local_mobility/closure_series.hpp"
 #include "axode/eigen.hpp"

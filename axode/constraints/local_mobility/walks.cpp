@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <stdexcept>
-#include <string_view>
 
 #include "axode/kinematics/path.hpp"
 #include "axode/model/configuration.hpp"

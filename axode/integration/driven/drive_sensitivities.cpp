@@ -1,7 +1,6 @@
 #include "axode/integration/driven/drive_sensitivities.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>

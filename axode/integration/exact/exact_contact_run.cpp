@@ -1,7 +1,6 @@
 #include "axode/integration/exact/exact_contact_run.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "axode/eigen.hpp"

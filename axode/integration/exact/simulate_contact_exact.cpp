@@ -1,7 +1,6 @@
 #include "axode/integration/exact/simulate_contact_exact.hpp"
 
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "axode/eigen.hpp"

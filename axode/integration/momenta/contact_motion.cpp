@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
-#include <string>
 #include <utility>
 
 #include "axode/integration/schemes/explicit_steps.hpp"

@@ -1,7 +1,6 @@
 #include "axode/model/building/checks/drive_checks.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <unordered_map>

@@ -1,6 +1,5 @@
 #include "axode/model/building/checks/spring_checks.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "axode/model/building/spring_laws.hpp"
