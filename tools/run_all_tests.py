@@ -39,8 +39,7 @@ RELEASE = Stage("release", others="Examples|Guards|MustNotCompile|Package|Peers|
 ASAN = Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES)
 NIGHTLY = {
     "clang": Stage("clang", others="Examples|Guards|MustNotCompile"),
-    "asan": Stage("asan", environment=FEW_TREES),
-    "asan-apps": Stage("asan-apps", others="Examples", environment={"AXODE_RANDOM_TREES": "30"}),
+    "asan-all": Stage("asan-all", others="Examples", environment={"AXODE_RANDOM_TREES": "30"}),
     "tsan": Stage("tsan", programs="*Threads*:*ManyStates*",
                   environment={"AXODE_RANDOM_TREES": "3",  # it makes calls a hundred times as long
                                "TSAN_OPTIONS": "suppressions=tests/support/thread_sanitizer.txt"}),
