@@ -6,11 +6,13 @@
 
 namespace axode {
 
-/// The composite-body algorithm for the mass matrix M of trees without coupled joints. Composite inertias are
-/// about the origins of the bodies in inertial axes. The joint screws S and the impulses F, which give the
-/// subtrees of the joints the twists S, are then written about the origin of the root body, where M_ij = S_i
-/// | F_j, the product of a screw and an impulse. As the velocities of a subtree are consecutive, a row of M
-/// is a product of one screw and consecutive entries of F.
+/// The composite-body algorithm for the mass matrix M of trees without coupled joints. Everything is in the
+/// axes of the root body, the first body on the path from the ground, on whose pose M does not depend.
+/// Composite inertias are about the origins of the bodies. The joint screws S and the impulses F, which give
+/// the subtrees of the joints the twists S, are then written about the origin of the root body, where M_ij =
+/// S_i | F_j, the product of a screw and an impulse. As the velocities of a subtree are consecutive, a row of
+/// M is a product of one screw and consecutive entries of F. The screws of a free root body are the unit
+/// vectors; if it is the first body, its rows of M are the components of F.
 template <class T> struct FastCompositeBodies {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -26,9 +28,9 @@ template <class T> struct FastCompositeBodies {
         S(arena, 6, arena.topology().n_screws),
         F(arena, 6, arena.topology().n_screws) {}
 
-  /// Computes screws and impulses of all joints at q about the origin of their root body.
+  /// Computes screws and impulses of all joints at q.
   template <class Real> void run(const Tree<Real>& tree, const T* q) noexcept {
-    poses.template run<FastPoses<T>::From::root>(tree, q, [&](int i, const auto& at) {
+    poses.template run<FastPoses<T>::From::root_axes>(tree, q, [&](int i, const auto& at) {
       C.set3(at.R.x, 0, i);
       C.set3(at.R.y, 3, i);
       C.set3(at.R.z, 6, i);
@@ -51,6 +53,8 @@ template <class T> struct FastCompositeBodies {
       } else {
         if (tree->kind[i] == Subgroup::prismatic)
           set_prismatic(tree, i);
+        else if (tree->kind[i] == Subgroup::free && tree->parent[i] == 0)
+          set_free_root(i, tree->iv[i]);
         else
           set_columns(tree, i);
         ++i;
@@ -67,15 +71,22 @@ template <class T> struct FastCompositeBodies {
     if constexpr (L::width == 1) {
       const Arrays<T> several = F;
       for (int i = 0; i < tree->nv; ++i) {
-        const Six one(S, i);
         const int end = tree->velocity_end[i];
         T* const row = out + i * nv;
         T* const column = out + i;
-        for (int j = i; j < end; ++j) row[j] = column[j * nv] = product(several, j, one);
+        if (i < unit_screws(*tree.operator->())) {
+          for (int j = i; j < end; ++j) row[j] = column[j * nv] = F.array(i)[j];
+        } else {
+          const Six one(S, i);
+          for (int j = i; j < end; ++j) row[j] = column[j * nv] = product(several, j, one);
+        }
         for (int j = end; j < tree->nv; ++j) row[j] = column[j * nv] = T(0);
       }
     } else {
-      for (int c = last_block<T>(tree->nv); c >= 0; c -= L::width) write_columns(*tree.operator->(), c, out);
+      if (unit_screws(*tree.operator->()) > 0) copy_rows(tree->nv, tree->velocity_end[0], out);
+      const int tail = tree->nv % L::width <= widest_tail ? tree->nv % L::width : 0, end = tree->nv - tail;
+      for (int c = last_block<T>(end); c >= 0; c -= L::width) write_columns(*tree.operator->(), c, out);
+      if (tail > 0) write_tail(*tree.operator->(), end, out);
     }
     for (int i = 0; i < tree->nv; ++i) out[i * nv + i] += T(tree.armature[i]);
   }
@@ -94,9 +105,39 @@ template <class T> struct FastCompositeBodies {
   }
 
  private:
-  /// Writes the columns c, c + 1, ... of M, one in each SIMD lane. Blocks of columns must be written from the
-  /// last to the first: lanes beyond the end of a row overwrite the first entries of the next row, which must
-  /// be written later.
+  /// The number of the first screws that are the unit vectors: 6 if the first body is free.
+  static int unit_screws(const Topology& topology) {
+    return topology.n > 0 && topology.kind[1] == Subgroup::free ? 6 : 0;
+  }
+  /// The largest number of columns after the last full register that are written as single numbers.
+  static constexpr int widest_tail = 2;
+  /// Writes the rows of a free first body, whose subtree has the columns before `end`.
+  void copy_rows(int nv, int end, T* out) const noexcept {
+    const Arrays<T> from = F;
+    const Number zero(T(0));
+    for (int k = 0; k < 6; ++k) {
+      T* const row = out + static_cast<std::ptrdiff_t>(k) * nv;
+      for (int c = 0; c < end; c += L::width) store_row<T>(L::load(from.array(k) + c), k, c, nv, row + c);
+      for (int c = end; c < nv; c += L::width) store_row<T>(zero, k, c, nv, row + c);
+    }
+  }
+  /// Writes the columns of M from c on, the last ones, as single numbers. Their rows must have been written in
+  /// the columns before c.
+  void write_tail(const Topology& topology, int c, T* out) const noexcept {
+    const std::ptrdiff_t nv = topology.nv;
+    for (std::ptrdiff_t r = c; r < nv; ++r) {
+      const T* const row = out + r * nv;
+      for (std::ptrdiff_t k = 0; k < c; ++k) out[k * nv + r] = row[k];
+      for (std::ptrdiff_t k = c; k <= r; ++k) {
+        T sum(0);
+        if (topology.velocity_end[static_cast<std::size_t>(k)] > r)
+          for (int m = 0; m < 6; ++m) sum += S.array(m)[k] * F.array(m)[r];
+        out[k * nv + r] = out[r * nv + k] = sum;
+      }
+    }
+  }
+  /// Writes the columns c, c + 1, ... of M, one in each lane. The columns after them that fill registers must
+  /// have been written before, because lanes beyond the end of a row spill into the next row.
   void write_columns(const Topology& topology, int c, T* out) const noexcept {
     const Arrays<T> screw = S, impulse = F;  // local copies, which no store can change
     const int nv = topology.nv, next = std::min(c + L::width, nv);
@@ -110,7 +151,7 @@ template <class T> struct FastCompositeBodies {
     const auto put = [&](int r, const Number& x) {
       store_row<T>(x, r, c, nv, out + r * static_cast<std::ptrdiff_t>(nv) + c);
     };
-    for (int r = 0; r < c; ++r) {
+    for (int r = unit_screws(topology); r < c; ++r) {  // rows before these are written by copy_rows()
       if (end_of(r) <= c)
         put(r, zero);
       else if (end_of(r) < next)
@@ -134,6 +175,7 @@ template <class T> struct FastCompositeBodies {
     }
     for (int r = end; r < nv; ++r) put(r, zero);
   }
+
   static Number lane() { return L::load(count.data()); }
   static constexpr std::array<T, L::width> count = [] {
     std::array<T, L::width> numbers{};
@@ -186,6 +228,21 @@ template <class T> struct FastCompositeBodies {
     S.set3(n, 3, c);
     F.set3(cross(M.get3(0, i) + m * C.get3(9, i), n), 0, c);
     F.set3(m * n, 3, c);
+  }
+  /// Computes the screws and impulses of a free joint i on the ground, whose velocities begin with c.
+  void set_free_root(int i, int c) noexcept {
+    const Inertia<T> M_i = get(i);
+    const auto& [m, h, A] = M_i;
+    const T o(0);
+    const T columns[6][6]{{A.xx, A.xy, A.xz, o, -h.z, h.y}, {A.xy, A.yy, A.yz, h.z, o, -h.x},
+                          {A.xz, A.yz, A.zz, -h.y, h.x, o}, {o, h.z, -h.y, m, o, o},
+                          {-h.z, o, h.x, o, m, o},          {h.y, -h.x, o, o, o, m}};
+    for (int k = 0; k < 6; ++k) {
+      for (int l = 0; l < 6; ++l) {
+        S.array(l)[c + k] = T(k == l);
+        F.array(l)[c + k] = columns[k][l];
+      }
+    }
   }
   /// Computes the screws and impulses of joint i, which may be of any kind, with one screw in each lane.
   template <class Real> [[gnu::noinline]] void set_columns(const Tree<Real>& tree, int i) noexcept {

@@ -61,6 +61,10 @@ template <class G, class T, class S>
     const auto& body = constants<G, T>(tree, i);
     R = body.columns(angles.sine[i - 1], angles.cosine[i - 1]);
     r = R_p * Spread(body.r);
+  } else if (tree->kind[i] == Subgroup::prismatic && !tree->coupled[i]) {
+    const auto& body = constants<G, T>(tree, i);
+    R = typename G::Matrix(body.B);
+    r = R_p * Spread(typename G::Vector(body.r) + q[tree->iq[i]] * R.z);
   } else {
     const SE3<T> C = any_joint_pose(tree, i, q);
     R = typename G::Matrix(C.R);
@@ -71,9 +75,10 @@ template <class G, class T, class S>
 
 /// Computes the poses of the internal frames (joint frames) of all bodies, and calls put(i, (R, r)) with the
 /// pose of each body i. r is the position in the inertial frame or, with From::root, relative to the root
-/// body, the first body on the path from the ground. It takes 51 products and sums for a hinge.
+/// body, the first body on the path from the ground; with From::root_axes, R is relative to its axes as well.
+/// It takes 51 products and sums for a hinge.
 template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
-  enum class From { inertial_frame, root };
+  enum class From { inertial_frame, root, root_axes };
   JointAngles<T> angles;
   Placed<G>* branch;
 
@@ -83,14 +88,18 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   template <From from = From::inertial_frame, class S, class Put>
   [[gnu::always_inline]] void run(const Tree<S>& tree, const T* q, Put&& put) noexcept {
     angles.run(tree, q);
-    Placed<G> last{typename G::Matrix(SO3<T>{}), typename G::Vector{}};
-    branch[0] = last;
+    const Placed<G> origin{typename G::Matrix(SO3<T>{}), typename G::Vector{}};
+    Placed<G> last = branch[0] = origin;
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];
       if (p != i - 1) last = branch[p];
-      const Placed<G> next = place<G>(tree, i, q, angles, last.R);
-      last.R = next.R;
-      last.r = from == From::root && p == 0 ? typename G::Vector{} : last.r + next.r;
+      if (from == From::root_axes && p == 0) {
+        last = origin;
+      } else {
+        const Placed<G> next = place<G>(tree, i, q, angles, last.R);
+        last.R = next.R;
+        last.r = from == From::root && p == 0 ? typename G::Vector{} : last.r + next.r;
+      }
       put(i, last);
       if (tree->branches[i]) branch[i] = last;
     }
