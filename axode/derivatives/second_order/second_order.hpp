@@ -316,9 +316,12 @@ template <class T> struct SecondOrder {
     for (int m = 1; m < 6; ++m) sum = sum + x[m * of_row.stride] * L::load(y + m * of_columns.stride);
     return sum;
   }
-  /// Multiplies the screws and wrenches that belong to joint screw l (ScrewEffects and ScrewCurvature) with
-  /// those of the joint screws from `begin` to `end` - 1, and writes the products to `line`, in six arrays.
-  /// Second derivatives are sums of them.
+  /// Computes the six second derivatives (D2.8) of λ·τ, the forces τ of inverse dynamics with constant
+  /// weights λ, along the directions of joint screw l and of each joint screw c from `begin` to `end` - 1.
+  /// They are those by q twice, by q and v in both orders, by v twice, and by a and q in both orders. Each of
+  /// them is a sum of powers W | X of wrenches W of screw c on screws X of screw l, which are members of
+  /// ScrewEffects and ScrewCurvature. Writes them to entry c of the six arrays of `line`. If both screws
+  /// belong to one joint, own_bracket() must be subtracted from the derivative by v twice.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them
