@@ -30,12 +30,12 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
       end_(model, finder_.shapes().contact_rows(), capacity, dry_friction),
       record_(finder_.shapes(), 2 * capacity),
       C_(index(model.n_bodies()) + 1),
-      v_after_(model.nv()),
       p_0_(model.nv()),
       p_a_(model.nv()),
+      v_before_(model.nv()),
+      v_after_(model.nv()),
       q_part_(model.nq()),
-      v_part_(model.nv()),
-      nothing_(Vector::Zero(model.nv())) {
+      v_part_(model.nv()) {
   if (dry_friction) refuse_gears(model);
   const ContactShapes& shapes = finder_.shapes();
   const std::size_t others = start_.system.stops().size() + start_.system.dry_joints().size() +
@@ -126,8 +126,7 @@ double ContactStep::reach(double h, const Vector& v_0) {
   return 1.5 * h * (2 * fastest + h * norm(model_.gravity()));
 }
 
-Failure ContactStep::find(const Vector& q_t, double margin, std::vector<Contact>& contacts, double t) {
-  end_.system.poses(q_t.data(), C_.data());
+Failure ContactStep::find(double margin, std::vector<Contact>& contacts, double t) {
   if (!finder_.find(C_, margin)) return {t, "there are more points of contact than there is memory for"};
   contacts.clear();
   const ContactShapes& shapes = finder_.shapes();
@@ -157,7 +156,7 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
   end_.system.prescribe(run_->motion_rows(t + h));
   start_.system.poses(q_0.data(), C_.data());
   const double margin = finder_.shapes().margin() + reach(h, v_0);
-  if (Failure failure = find(q_0, margin, start_.contacts, t)) return failure;
+  if (Failure failure = find(margin, start_.contacts, t)) return failure;
   constexpr double any_stop = std::numeric_limits<double>::infinity();
   // Impulses then have about the same effect in the problem as in the free motion (D11.13a).
   const Solvability verdict =
@@ -165,21 +164,21 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
   if (Failure failure = run_->checked(t, verdict)) return failure;
   start_.system.momenta(v_0.data(), p_0_.data());
   run_->begin(t, h, q_0, v_0, x_0);
-  if (start_.rows() == 0) {
-    if (Failure failure = run_->fly(p_0_, 0)) return failure;
-    if (Failure failure = run_->arrive(v_0)) return failure;
-    q = run_->q_end;
-    v = run_->v_end;
-    run_->advance_drives(t, h, q_0, v_0, v, x_0, drive_states);
-    keep_start(h, q_0, v_0, margin);
+  const bool free = start_.rows() == 0;
+  if (Failure failure = free ? run_->fly(p_0_, 0) : move(t, h, v_0, margin)) return failure;
+  run_->arrive(v_0);
+  if (free) found_.clear();
+  if (Failure failure = reach_end(t, h)) return failure;
+  keep_start(h, q_0, v_0, margin);
+  if (!free) {
+    unresolved = unresolved_slip(h);
+    if (Failure failure = land(t)) return failure;
+  }
+  run_->advance_drives(t, h, q_0, v_0, v, x_0, drive_states);
+  if (free) {
     record_.locate({});
     return {};
   }
-  if (Failure failure = move(t, h, q_0, v_0, margin)) return failure;
-  keep_start(h, q_0, v_0, margin);
-  unresolved = unresolved_slip(h);
-  if (Failure failure = land(t, h)) return failure;
-  run_->advance_drives(t, h, q_0, v_0, v, x_0, drive_states);
   remember(h);
   record();
   return separate(t, h);
@@ -216,8 +215,14 @@ void ContactStep::remember(double h) {
     at_start = known.start;
     const auto before = std::ranges::find(forgotten_, known.key, &Remembered::key);
     if (h == h_of_remembered_ && before != forgotten_.end() && before->start[0] > 0 &&
-        2 * at_start[0] > before->start[0])
-      for (std::size_t row = 0; row < width; ++row) at_start[row] += at_start[row] - before->start[row];
+        2 * at_start[0] > before->start[0]) {
+      constexpr double at_rest = 1e-10;  // smaller changes are rounding errors, which must not grow
+      double most = 0;
+      for (std::size_t row = 0; row < width; ++row)
+        most = std::max(most, std::abs(at_start[row] - before->start[row]));
+      if (most > at_rest * at_start[0])
+        for (std::size_t row = 0; row < width; ++row) at_start[row] += at_start[row] - before->start[row];
+    }
     if (const Contact* same = with_key(end_.contacts, known.key, k))
       std::copy_n(end_.lambda.begin() + (same - end_.contacts.data()) * static_cast<std::ptrdiff_t>(width),
                   width, at_end.begin());
@@ -254,7 +259,7 @@ void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
   end.system.times(v_after.data(), end.u_after.data());
 }
 
-Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, double margin) {
+Failure ContactStep::move(double t, double h, const Vector& v_0, double margin) {
   constexpr int most = 25, first_fixed = 2, settled = 8, most_failed = 2, most_tangents = 6;
   constexpr double nearly_precise = 1e-11;
   VelocityProblem& problem = start_.system.problem();
@@ -274,8 +279,9 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     bounces_.push_back(e > 0 && u < -threshold);  // if it is closed at the end of the step
   }
   // Sets w to about the free velocities in the middle, which are the size of the problem.
-  system.bias_forces(q_0.data(), nothing_.data(), {}, start_.v.data());
-  start_.v = p_0_ - h / 2 * start_.v;
+  start_.v.setZero();
+  system.bias_forces(q_part_.data(), start_.v.data(), {}, end_.v.data());
+  start_.v = p_0_ - h / 2 * end_.v;
   system.pull(start_.v.data(), problem.w.data());
   problem.finish();
   recall(start_, 0);
@@ -285,7 +291,8 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     if (k > first_fixed || hard_)
       if (Failure failure = run_->interruption(t)) return failure;
     if (Failure failure = fly(enough)) return failure;
-    if (Failure failure = find(run_->q_middle, margin, middle_, t)) return failure;
+    end_.system.poses(run_->q_middle.data(), C_.data());
+    if (Failure failure = find(margin, middle_, t)) return failure;
     end_.system.move_bodies(run_->v_middle.data());
     for (std::size_t c = 0; c < start_.contacts.size(); ++c) {
       const std::size_t row = index(problem.blocks()[c].first);
@@ -294,7 +301,8 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
       const ContactFrame axes = turned(contact_frame(start_.contacts[c].normal), contact.normal);
       end_.system.contact_velocity(contact, axes, &slip_[row]);
     }
-    if (Failure failure = find(run_->q_end, margin, found_, t + h)) return failure;
+    end_.system.poses(run_->q_end.data(), C_.data());
+    if (Failure failure = find(margin, found_, t + h)) return failure;
     const bool tangents = k == 0 || (problem.nv() > model_.nv() && k < most_tangents);
     if (tangents) {
       set_compliances(h);
@@ -307,7 +315,7 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     const bool stalled = certificate >= 0.5 * least_error;
     if (certificate <= precise || k >= most || failed == most_failed ||
         (stalled && k >= first_fixed && certificate <= (k > settled ? accepted : nearly_precise))) {
-      if (run_->is_exact()) return run_->arrive(v_0);
+      if (run_->is_exact()) return {};
       enough = 0;
       continue;
     }
@@ -333,25 +341,6 @@ Failure ContactStep::fly(double enough) {
   return run_->fly(p_a_, enough);
 }
 
-double ContactStep::law_error() {
-  const VelocityProblem& problem = start_.system.problem();
-  scratch_.resize(2 * index(problem.rows()) + index(problem.nv()));
-  return axode::certificate(problem, start_.lambda.data(), scratch_.data());
-}
-
-/// The part of law_error(), the residual of the laws of contact at the start of the step, that rounding
-/// errors of positions may cause. The velocities in these laws are differences of gaps divided by the length
-/// h of the step, so that rounding errors of positions enter them divided by h.
-double ContactStep::rounding_error(double h) const {
-  const double size = start_.system.problem().w.norm() + start_.x.norm();
-  if (!(size > 0)) return 0;
-  double place = 0, weights = 0;
-  for (const Contact& contact : start_.contacts) place = std::max(place, norm(contact.point));
-  for (const double weight : weights_) weights += weight * weight;
-  constexpr double resolution = 4 * std::numeric_limits<double>::epsilon();
-  return resolution * (place + size_) / h * std::sqrt(weights) / size;
-}
-
 /// Selects for end_.contacts those of found_ that are closed or had an impulse at the start.
 void ContactStep::select_active() {
   end_.contacts.clear();
@@ -368,12 +357,19 @@ void ContactStep::select_active() {
   }
 }
 
-Failure ContactStep::land(double t, double h) {
+Failure ContactStep::reach_end(double t, double h) {
   select_active();
   q = run_->q_end;
-  v = run_->v_end;
   const Solvability verdict = end_.system.set(q.data(), end_.contacts, h / 2, ContactPart::near_stop);
   if (Failure failure = run_->checked(t + h, verdict)) return failure;
+  end_.system.pull(run_->p_end.data(), end_.x.data());
+  end_.system.push(end_.x.data(), v_before_.data());
+  run_->leave_moving_frames(v_before_);
+  v = v_before_;
+  return run_->check_finite(t + h, q, v);
+}
+
+Failure ContactStep::land(double t) {
   touched = std::ranges::any_of(start_.lambda, [](double x) { return x != 0; });
   VelocityProblem& problem = end_.system.problem();
   if (problem.rows() == 0) return {};
@@ -391,7 +387,7 @@ Failure ContactStep::land(double t, double h) {
     if (Failure failure = solve(t, problem, end_.lambda, precise, certificate)) return failure;
     certificate = std::max(certificate, before);
     problem.complete(end_.lambda.data());
-    apply(end_, run_->v_end, v);
+    apply(end_, v_before_, v);
     constexpr double rounding = 1e-12;
     keep_end(bounciness);
     if (!any_bounces) break;
@@ -471,7 +467,7 @@ void ContactStep::keep_start(double h, const Vector& q_0, const Vector& v_0, dou
                    .q_middle = run_->q_middle,
                    .v_middle = run_->v_middle,
                    .q_1 = run_->q_end,
-                   .v_before_end = run_->v_end,
+                   .v_before_end = v_before_,
                    .start = start_.contacts};
   run_->bases().each([&](int body, bool constant) { part.bases.push_back({body, constant}); });
   if (rows) {

@@ -78,10 +78,11 @@ class ContactStep {
   };
 
   Failure attempt(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0);
-  Failure find(const Vector& q, double margin, std::vector<Contact>& contacts, double t);
+  /// Finds the contacts with gaps up to `margin` of bodies with the poses C_.
+  Failure find(double margin, std::vector<Contact>& contacts, double t);
   double reach(double h, const Vector& v_0);
   /// Iterates for the impulses at the start of the step and the free motion after them.
-  Failure move(double t, double h, const Vector& q_0, const Vector& v_0, double margin);
+  Failure move(double t, double h, const Vector& v_0, double margin);
   Failure fly(double enough);
   /// The residual of the laws of contact for the impulses at the start of the step, after the last iteration.
   /// It becomes small even where friction leaves the impulses badly determined.
@@ -93,8 +94,10 @@ class ContactStep {
   /// the motion without contact led to in the last iteration. If `choose` is true, also decides which
   /// contacts slide, and returns whether this decision changed.
   bool set_r_of_start(double h, bool choose);
+  /// Makes the constraint rows at the end of the free motion, and computes its velocities there.
+  Failure reach_end(double t, double h);
   /// Finds the impulses at the end of the free motion, and the state after them.
-  Failure land(double t, double h);
+  Failure land(double t);
   void set_r_of_end(double bounciness);
   void select_active();
   double closed(const Contact& contact) const;
@@ -131,9 +134,10 @@ class ContactStep {
   std::vector<double> openings_;  ///< residual of each loop row, m or rad
   std::vector<Remembered> remembered_, forgotten_;
   std::vector<char> bounces_;  ///< whether contacts, and then stops, at the start bounce
-  Vector v_after_, p_0_, p_a_, q_part_, v_part_, x_part_, nothing_;  ///< p_0_, p_a_: momenta before and
-                                                                     ///< after the impulses at the start
-  std::vector<double> before_;                                       ///< multipliers before recall()
+  Vector p_0_, p_a_;           ///< momenta before and after the impulses at the start
+  Vector v_before_, v_after_;  ///< velocities before the impulses at the end, and after those at the start
+  Vector q_part_, v_part_, x_part_;
+  std::vector<double> before_;   ///< multipliers before recall()
   std::vector<double> r_;        ///< right sides of the last problem at the start
   std::vector<double> weights_;  ///< 1/d for the scale d of each row at the start
   Multisecant secants_;          ///< acceleration of the iteration of r_

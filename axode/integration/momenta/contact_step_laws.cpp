@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace axode {
 namespace {}  // namespace
@@ -80,6 +81,24 @@ bool ContactStep::set_r_of_start(double h, bool choose) {
   for (std::size_t k = first; k < problem.r.size(); ++k)
     if (problem.moves(k)) set(k, openings_[k - first] / h, system.has_residual(k));
   return changed;
+}
+
+double ContactStep::law_error() {
+  const VelocityProblem& problem = start_.system.problem();
+  scratch_.resize(2 * index(problem.rows()) + index(problem.nv()));
+  return axode::certificate(problem, start_.lambda.data(), scratch_.data());
+}
+
+/// The part of law_error() that rounding errors of places may cause, from which velocities over a step
+/// follow.
+double ContactStep::rounding_error(double h) const {
+  const double size = start_.system.problem().w.norm() + start_.x.norm();
+  if (!(size > 0)) return 0;
+  double place = 0, weights = 0;
+  for (const Contact& contact : start_.contacts) place = std::max(place, norm(contact.point));
+  for (const double weight : weights_) weights += weight * weight;
+  constexpr double resolution = 4 * std::numeric_limits<double>::epsilon();
+  return resolution * (place + size_) / h * std::sqrt(weights) / size;
 }
 
 /// The largest displacement (m) by which the end of the step may be wrong because a contact began to stick at

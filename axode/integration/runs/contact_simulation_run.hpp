@@ -14,8 +14,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
       : MomentumSimulationRun(model, q_0, v_0, until, options, damping),
         midpoint_(*this, model.tree<double>()) {
     for (Vector* x : {&q_end, &q_middle, &q_t_, &q_0_, &q_moving_}) x->resize(model.nq());
-    for (Vector* x : {&v_end, &v_middle, &v_t_, &p_0_, &y_, &p_before_, &p_end_, &change_})
-      x->resize(model.nv());
+    for (Vector* x : {&p_end, &v_middle, &v_t_, &p_0_, &y_, &p_before_, &change_}) x->resize(model.nv());
   }
 
   /// Begins another motion at time t, at (q_0, v_0). If x_0 is empty, the drives choose their states.
@@ -124,7 +123,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
     q_middle = midpoint_.q_middle;
     v_middle = midpoint_.v;
     bases.from_moving_frame(t_ + h_ / 2, q_middle.data(), v_middle.data());
-    p_end_ = midpoint_.p;
+    p_end = midpoint_.p;
     bases.advance(midpoint_.q_middle.data(), h_, pushes_bases(), midpoint_.f.data(), y_.data());
     q_moving_ = midpoint_.q;
     bases.restore_centers(q_moving_.data());
@@ -133,18 +132,17 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
   bool is_exact() const { return midpoint_.is_exact(); }
-  /// Computes the velocities v_end at the end of the step, before the impulses there, from the result of the
-  /// last call of fly(). v_0 are the velocities at the start of the step, before the impulses there. Momenta
-  /// of floating bases are exact to rounding under gravity.
-  Failure arrive(const Vector& v_0) {
-    FloatingBases& bases = this->bases();
+  /// Completes the last motion of the step: computes the momenta p_end at its end, relative to the moving
+  /// frames of the floating bases, which are exact to rounding under gravity. v_0 are the velocities of
+  /// begin().
+  void arrive(const Vector& v_0) {
     change_ = v_middle - v_0;
     h_of_change_ = h_;
-    bases.to_momenta(q_moving_.data(), y_.data(), p_end_.data());
-    if (Failure failure = velocity(t_ + h_, q_moving_, p_end_, v_end)) return failure;
-    bases.from_moving_frame(t_ + h_, q_moving_.data(), v_end.data());
-    return {};
+    bases().to_momenta(q_moving_.data(), y_.data(), p_end.data());
   }
+  /// Converts velocities at the end of the last motion of the step, which are relative to the moving frames
+  /// of the floating bases, to the inertial frame.
+  void leave_moving_frames(Vector& v_t) { bases().from_moving_frame(t_ + h_, q_moving_.data(), v_t.data()); }
 
   /// Computes the states x of the drives at the end of the present step by (D17.7b). The step has the length
   /// h and starts at time t at the configuration q_0 with the drive states x_0. v_0 are the velocities at its
@@ -170,11 +168,11 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return record(t, std::move(end));
   }
 
-  Vector q_end, v_end, q_middle, v_middle;  ///< results of fly() and arrive()
+  Vector q_end, p_end, q_middle, v_middle;  ///< results of fly() and arrive()
 
  private:
   Midpoint<ContactSimulationRun> midpoint_;
-  Vector q_0_, p_0_, q_moving_, y_, p_before_, p_end_, v_last_;
+  Vector q_0_, p_0_, q_moving_, y_, p_before_, v_last_;
   Vector change_;  ///< of the velocities, up to the middle of the last step
   double t_ = 0, h_ = 0, h_of_change_ = 0;
   bool flown_ = false;  ///< whether fly() has been called in the step

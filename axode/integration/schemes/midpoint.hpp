@@ -19,9 +19,10 @@ namespace axode {
 /// Cayley's map the step is (D14.9).
 ///
 /// The iteration for v uses M, factorised once, and then Newton's matrix (D8.6) if the residual r of the
-/// equation for M(q_m) v has not halved in an iteration. It has converged if the change of v is a rounding
-/// error, or if r is a rounding error of its terms, as it becomes even for nearly singular M. With a stiff
-/// drive at rest, it has also converged if the change of v moves q by no more than the rounding error of q.
+/// equation for M(q_m) v has not halved in an iteration. It has converged if the next change of v would be a
+/// rounding error, or if r is a rounding error of its terms, as it becomes even for nearly singular M. With a
+/// stiff drive at rest, it has also converged if the change of v moves q by no more than the rounding error
+/// of q.
 ///
 /// System is the class of the mechanism, for example a SimulationRun. Its member functions are partials(t, q,
 /// v, p, f), which computes p = M v and f; factorize(t, q) and solve(x) with M; norm(), the EnergyNorm of
@@ -77,6 +78,7 @@ template <class System> class Midpoint {
     matrix_in_use_ = other.matrix_in_use_;
     h_ = other.h_;
     slowest_ = other.slowest_;
+    rate_ = other.rate_;
     if (matrix_in_use_ == MatrixKind::newton) matrix_.continue_from(other.matrix_);
   }
   /// Forgets the matrix of earlier runs.
@@ -118,6 +120,7 @@ template <class System> class Midpoint {
       if (matrix_in_use_ == MatrixKind::none) {
         if (Failure failure = system_->factorize(t + h / 2, q_middle)) return failure;
         matrix_in_use_ = MatrixKind::masses;
+        rate_ = 1;
       }
       if (Failure failure = system_->partials(t + h / 2, q_middle, v, momenta_, f)) return failure;
       if (iteration == 0 && renew) {
@@ -135,7 +138,11 @@ template <class System> class Midpoint {
       v -= r_;
       const bool newton = matrix_in_use_ == MatrixKind::newton, slow = !(residual < least * before);
       const double change = norm.of_velocities(r_);
-      exact_ = change <= 1e-13 * scale || residual <= (slow ? 1e-13 : 1e-14) * std::max(terms, scale) ||
+      // The ratio of residuals is known as long as they are more than rounding errors.
+      if (newton && before < infinity && before > 1e-8 * std::max(terms, scale))
+        rate_ = std::max(residual / before, 1e-3);
+      const double next_change = rate_ < 0.1 ? rate_ * change : change;
+      exact_ = next_change <= 1e-13 * scale || residual <= (slow ? 1e-13 : 1e-14) * std::max(terms, scale) ||
                (newton && slow && change <= system_->place_resolution(h));
       if (exact_ || change <= enough * scale) {
         // q and p must be advanced with the same v, otherwise momenta would not be conserved.
@@ -158,6 +165,7 @@ template <class System> class Midpoint {
   /// Computes Newton's matrix at q_middle = q0 ⊕ y_.
   void compute_matrix(double t, double h, const Vector& q0) {
     matrix_in_use_ = MatrixKind::newton;
+    rate_ = 1;
     matrix_.compute_with_drive(t + h / 2, q0, y_, q_middle, v, none_, h * h / 4, h / 2);
   }
   /// Replaces x by the solution for the matrix in use.
@@ -175,6 +183,7 @@ template <class System> class Midpoint {
   MatrixKind matrix_in_use_ = MatrixKind::none;
   double h_ = 0;        ///< length of the last run_again()
   double slowest_ = 0;  ///< the largest ratio of successive residuals in the last run
+  double rate_ = 1;     ///< the last known ratio of successive residuals with Newton's matrix, or 1
   bool renew_ = false, exact_ = false;
 };
 
