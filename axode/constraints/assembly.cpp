@@ -1,6 +1,5 @@
 #include "axode/constraints/assembly.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +10,7 @@
 #include "axode/constraints/prescribed/motion_rows.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode {
 namespace {
@@ -90,7 +90,7 @@ class Assembly {
   static Vector least(const Matrix& R, const Vector& r, double small) {
     Matrix S = R * R.transpose();
     S.diagonal().array() += small;
-    return -R.transpose() * S.ldlt().solve(r);
+    return -R.transpose() * LdltFactor(S).solve(r);
   }
   /// The damped Gauss-Newton step towards closed loops: a solution of r + R x = 0 for the residual r and its
   /// Jacobian R, without units. It is shortened until no entry is above 0.5, which means half a radian or

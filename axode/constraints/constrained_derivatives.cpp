@@ -1,12 +1,11 @@
 #include "axode/constraints/constrained_derivatives.hpp"
 
-#include <Eigen/LU>
-
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/loop_system/independent_rows.hpp"
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/recursion/decompositions.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/table/check_counts.hpp"
 
@@ -73,11 +72,11 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
   K.topLeftCorner(n, n) = M;
   K.topRightCorner(n, r) = -A_independent.transpose();
   K.bottomLeftCorner(r, n) = A_independent;
-  const Eigen::PartialPivLU<Matrix> factor(K);
+  const LuFactor factor(K.template cast<double>());
   Vector right(n + r);
   for (Eigen::Index c = 0; c < n; ++c) right[c] = tau[static_cast<std::size_t>(c)] - h[c];
   for (Eigen::Index k = 0; k < r; ++k) right[n + k] = -gamma[rows.independent[static_cast<std::size_t>(k)]];
-  const Vector found = factor.solve(right);
+  const Vector found = factor.solve(right.template cast<double>()).template cast<T>();
   a = found.head(n);
   lambda.setZero();
   for (Eigen::Index k = 0; k < r; ++k) lambda[rows.independent[static_cast<std::size_t>(k)]] = found[n + k];
@@ -93,7 +92,7 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
   changes.topRightCorner(n, n).setIdentity();
   changes.bottomLeftCorner(r, n) = -rows_of<T>(rows_q, rows.independent);
   changes.block(n, n, r, n) = -rows_of<T>(rows_v, rows.independent);
-  const Matrix x = factor.solve(changes);
+  const Matrix x = factor.solve(changes.template cast<double>()).template cast<T>();
   Matrix lambda_rows = Matrix::Zero(m, 3 * n);
   for (Eigen::Index k = 0; k < r; ++k)
     lambda_rows.row(rows.independent[static_cast<std::size_t>(k)]) = x.row(n + k);

@@ -1,12 +1,12 @@
 #include "axode/constraints/mobility.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/loop_system/independent_rows.hpp"
 #include "axode/constraints/vector_text.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode {
 namespace {
@@ -34,16 +34,16 @@ bool has_definite_combination(const std::vector<Eigen::MatrixXd>& forms) {
   Eigen::VectorXd factors(count);
   for (Eigen::Index n = 0; n < count; ++n) {
     const Eigen::MatrixXd& form = forms[static_cast<std::size_t>(n)];
-    const Eigen::VectorXd lambda = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(form).eigenvalues();
+    const Eigen::VectorXd lambda = symmetric_eigen(form).values;
     if (is_definite(lambda) || is_definite(-lambda.reverse())) return true;
     factors[n] = form.trace();
   }
   for (int k = 0; k < most && count > 1; ++k) {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(forms[0].rows(), forms[0].cols());
     for (Eigen::Index n = 0; n < count; ++n) sum += factors[n] * forms[static_cast<std::size_t>(n)];
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> found(sum);
-    if (is_definite(found.eigenvalues())) return true;
-    const Eigen::VectorXd x = found.eigenvectors().col(0);
+    const SymmetricEigen found = symmetric_eigen(sum);
+    if (is_definite(found.values)) return true;
+    const Eigen::VectorXd x = found.vectors.col(0);
     for (Eigen::Index n = 0; n < count; ++n) factors[n] += x.dot(forms[static_cast<std::size_t>(n)] * x);
   }
   return false;
@@ -73,8 +73,7 @@ Mobility second_order(LoopSystem<double>& system, std::span<const double> q, con
     }
   std::vector<Eigen::MatrixXd> restricting;
   for (std::size_t n = 0; n < forms.size(); ++n) {
-    const double size =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(forms[n]).eigenvalues().cwiseAbs().maxCoeff();
+    const double size = symmetric_eigen(forms[n]).values.cwiseAbs().maxCoeff();
     if (size > 1e-7 * dependencies.col(static_cast<Eigen::Index>(n)).norm())
       restricting.push_back(forms[n] / size);
   }

@@ -1,11 +1,11 @@
 #include "axode/dynamics/gear_losses.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "axode/recursion/decompositions.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
 
 namespace axode {
@@ -124,7 +124,7 @@ ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& 
   }
   Matrix regularised = A;
   regularised.diagonal() += regular;
-  const Eigen::PartialPivLU<Matrix> factors(regularised);
+  const LuFactor factors(regularised);
   Vector x = factors.solve(rhs);
   if (little == 0)
     for (int pass = 0; pass < 2; ++pass) x += factors.solve(rhs - A * x);

@@ -1,12 +1,12 @@
 #include "axode/kinematics/inverse_kinematics.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/kinematics/path.hpp"
+#include "axode/recursion/decompositions.hpp"
 #include "axode/recursion/least_squares.hpp"
 #include "axode/table/check_counts.hpp"
 
@@ -58,8 +58,7 @@ class Solver {
         H_(model.nv(), model.nv()),
         damped_(model.nv(), model.nv()),
         g_(model.nv()),
-        step_(model.nv()),
-        solver_(model.nv()) {}
+        step_(model.nv()) {}
 
   /// Iterates from the start q. Ends if the error is within the tolerance (solved), if an iteration hardly
   /// reduces it (stalled), or at the largest number of iterations. Adds the number of iterations to
@@ -78,7 +77,8 @@ class Solver {
       for (int attempt = 0; attempt < 10 && !(at_.residual < before); ++attempt) {
         damped_ = H_;
         damped_.diagonal().array() += damping * (H_.trace() + 1e-300);
-        step_ = solver_.compute(damped_).solve(g_);
+        solver_.compute(damped_);
+        solver_.solve(g_, step_);
         move(at_.q, step_, next_.q);
         evaluate(next_);
         if (next_.residual < before) {
@@ -196,7 +196,7 @@ class Solver {
   Iterate at_, next_;
   Matrix J_, H_, damped_;
   Vector g_, step_;
-  Eigen::LDLT<Matrix> solver_;
+  LdltFactor solver_;
 };
 
 void check(const Model& model, std::span<const PoseTarget> targets, std::span<const double> q0,

@@ -1,6 +1,5 @@
 #include "axode/constraints/embedding/task_singularities.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +9,8 @@
 #include "axode/eigen.hpp"
 #include "axode/lie/screw_geometry.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/recursion/decompositions.hpp"
+#include "axode/recursion/least_squares.hpp"
 
 namespace axode {
 namespace {
@@ -123,8 +124,8 @@ class Scaled {
 };
 
 /// Singular value number `rank`, the smallest that must not vanish, divided by the largest one.
-double distance_of(const Eigen::JacobiSVD<Matrix>& svd, Eigen::Index rank) {
-  const Vector& sigma = svd.singularValues();
+double distance_of(const SingularValues& svd, Eigen::Index rank) {
+  const Vector& sigma = svd.s;
   if (rank == 0 || sigma.size() == 0) return 1;
   if (rank > sigma.size()) return 0;
   return sigma[0] > 0 ? sigma[rank - 1] / sigma[0] : 0;
@@ -172,21 +173,19 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
     const Matrix A_p = scaled.of(part.rows, carrying);
     Matrix U = Matrix::Identity(rows, rows);
     if (!part.velocities.empty()) {
-      const Eigen::JacobiSVD<Matrix> svd(scaled.of(part.rows, part.velocities),
-                                         Eigen::ComputeFullU | Eigen::ComputeFullV);
-      U = svd.matrixU();
+      const SingularValues svd = singular_values(scaled.of(part.rows, part.velocities));
+      U = svd.U;
       const double distance = distance_of(svd, part.dependent);
       if (distance < within) {
         TaskSingularity at{.type = limb, .limb = static_cast<int>(l), .distance = distance, .twist = {}};
-        at.joints = considerable_names(svd.matrixV().col(part.dependent - 1), part.velocities, names);
+        at.joints = considerable_names(svd.V.col(part.dependent - 1), part.velocities, names);
         at.sentence = "type 1: joints of the limb " + kernel.name_of_limb(at.limb) +
                       " can move while the platform is at rest: " + listed(at.joints);
         found.push_back(at);
       }
       Matrix F = Matrix::Zero(std::ssize(part.velocities), s);
       for (int k = 0; k < part.dependent; ++k)
-        if (svd.singularValues()[k] > 1e-12 * svd.singularValues()[0])
-          F -= svd.matrixV().col(k) * (U.col(k).transpose() * A_p) / svd.singularValues()[k];
+        if (svd.s[k] > 1e-12 * svd.s[0]) F -= svd.V.col(k) * (U.col(k).transpose() * A_p) / svd.s[k];
       for (std::size_t j = 0; j < part.velocities.size(); ++j) {
         const int c = part.velocities[j];
         if (model.loops().driven[static_cast<std::size_t>(c)] == 0) continue;
@@ -207,11 +206,8 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
     return out;
   };
   // The columns of to_carrying are unit twists of the platform, so that singular values are those of twists.
-  const auto basis = [](const Matrix& A) {
-    return Matrix(Eigen::JacobiSVD<Matrix>(A, Eigen::ComputeThinU | Eigen::ComputeThinV)
-                      .solve(Matrix::Identity(A.rows(), A.rows())));
-  };
-  const Matrix to_carrying = s == 6 ? basis(scaled.twists()) : Matrix::Identity(s, s);
+  const Matrix to_carrying =
+      s == 6 ? least_squares(scaled.twists(), Matrix::Identity(6, 6), 1e-15) : Matrix::Identity(s, s);
   const auto free_motion = [&](TaskSingularity& at, const Vector& x) {
     at.twist = normalized(scaled.twist(to_carrying * x), scaled);
     return in_words(at.twist, scaled.length);
@@ -220,26 +216,25 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
   Matrix N = Matrix::Identity(s, s);
   if (!held.empty()) {
     const Eigen::Index rank = s - space.kernel().independent();
-    const Eigen::JacobiSVD<Matrix> svd(stacked(held) * to_carrying,
-                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const SingularValues svd = singular_values(stacked(held) * to_carrying);
     if (const double distance = distance_of(svd, rank); distance < within) {
       TaskSingularity at{.type = constraint, .distance = distance, .twist = {}};
       at.sentence = "constraint singularity: no limb holds the platform against a motion " +
-                    free_motion(at, svd.matrixV().col(rank - 1));
+                    free_motion(at, svd.V.col(rank - 1));
       found.push_back(at);
     }
-    N = svd.matrixV().rightCols(s - rank);
+    N = svd.V.rightCols(s - rank);
   }
   if (N.cols() == 0) return found;
   if (drive_rows.empty()) drive_rows.emplace_back(Eigen::RowVectorXd::Zero(s));
   const Matrix J = stacked(drive_rows) * to_carrying * N;
-  const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SingularValues svd = singular_values(J);
   if (const double distance = distance_of(svd, N.cols()); distance < within) {
     TaskSingularity at{.type = TaskSingularity::Type::drives, .distance = distance, .twist = {}};
     at.sentence = "type 2: the platform can move while all drives are locked, " +
-                  free_motion(at, N * svd.matrixV().col(N.cols() - 1));
+                  free_motion(at, N * svd.V.col(N.cols() - 1));
     if (N.cols() <= std::ssize(driven_velocities)) {
-      at.joints = considerable_names(svd.matrixU().col(N.cols() - 1), driven_velocities, names);
+      at.joints = considerable_names(svd.U.col(N.cols() - 1), driven_velocities, names);
       at.sentence += "; these drives hold each other: " + listed(at.joints);
     }
     found.push_back(at);

@@ -1,12 +1,12 @@
 #include "axode/constraints/independent/independent_velocities.hpp"
 
-#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 
 #include "axode/model/configuration.hpp"
+#include "axode/recursion/decompositions.hpp"
 #include "axode/recursion/least_squares.hpp"
 
 namespace axode {
@@ -55,11 +55,11 @@ IndependentVelocities independent_velocities(const Model& model, const Independe
   check(model, out.velocities, kernel.cols());
   out.N = kernel;
   if (kernel.cols() == 0) return out;
-  const Eigen::FullPivLU<Matrix> chosen(Matrix(kernel(out.velocities, Eigen::indexing::all)));
+  const LuFactor chosen(kernel(out.velocities, Eigen::indexing::all));
   if (!(chosen.rcond() > 1e-8))
     throw std::invalid_argument("velocities: the velocities of " + names_of(model, out.velocities) +
                                 " do not determine the others at this q");
-  out.N = kernel * chosen.inverse();
+  out.N = kernel * chosen.solve(Matrix::Identity(kernel.cols(), kernel.cols()));
   for (std::size_t k = 0; k < out.velocities.size(); ++k)
     out.N.row(out.velocities[k]).setZero()[static_cast<Eigen::Index>(k)] = 1;
   return out;

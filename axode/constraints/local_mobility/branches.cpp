@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "axode/constraints/local_mobility/decompositions.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode::higher_order {
 namespace {

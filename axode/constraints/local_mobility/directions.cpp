@@ -6,7 +6,7 @@
 #include <optional>
 #include <random>
 
-#include "axode/constraints/local_mobility/decompositions.hpp"
+#include "axode/recursion/decompositions.hpp"
 #include "axode/recursion/least_squares.hpp"
 
 namespace axode::higher_order {
@@ -127,7 +127,7 @@ double minimize(Eigen::VectorXd& x, int steps, const Evaluate& evaluate, const A
   for (int k = 0; k < steps; ++k) {
     Eigen::MatrixXd normal = at.J.transpose() * at.J;
     normal.diagonal().array() += lambda;
-    const Eigen::VectorXd trial = accept(x - solve_definite(normal, at.J.transpose() * at.r));
+    const Eigen::VectorXd trial = accept(x - CholeskyFactor(normal).solve(at.J.transpose() * at.r));
     Linearized next = evaluate(trial);
     if (next.r.norm() < at.r.norm()) {
       x = trial;

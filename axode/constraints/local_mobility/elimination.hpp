@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
-#include "axode/constraints/local_mobility/decompositions.hpp"
 #include "axode/constraints/local_mobility/polynomial_ring.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode::higher_order {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <random>
 
-#include "axode/constraints/local_mobility/decompositions.hpp"
 #include "axode/constraints/local_mobility/directions.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode::higher_order {
 namespace {

@@ -1,8 +1,8 @@
 #include "axode/constraints/loop_system/independent_rows.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 
+#include "axode/recursion/decompositions.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/recursion/least_squares.hpp"
 
@@ -44,10 +44,8 @@ template <class T> void IndependentRows<T>::find_dependencies(const Matrix& Y) {
 }
 
 template <class T> auto IndependentRows<T>::kernel() const -> Matrix {
-  if (independent.empty()) return Matrix::Identity(nv_, nv_);
-  const Eigen::HouseholderQR<Matrix> qr(A_(independent, Eigen::indexing::all).transpose());
-  const Matrix Q = qr.householderQ() * Matrix::Identity(nv_, nv_);
-  return Q.rightCols(nv_ - rank());
+  const Matrix A = A_(independent, Eigen::indexing::all);
+  return kernel_of(A.template cast<double>()).template cast<T>();
 }
 
 template <class T> void IndependentRows<T>::least_multipliers(const Vector& f, std::span<T> lambda) const {

@@ -1,11 +1,11 @@
 #include "axode/constraints/prescribed/singularity.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "axode/constraints/loop_system/independent_rows.hpp"
 #include "axode/constraints/vector_text.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode {
 namespace {
@@ -31,11 +31,11 @@ std::string nearby_singularity(MotionRows& motions, LoopSystem<double>& system, 
   if (chosen.empty()) return {};
   for (std::size_t k = 0; k < chosen.size(); ++k)
     A.row(static_cast<Eigen::Index>(k)) /= system.scale()[chosen[k]];
-  const Eigen::SelfAdjointEigenSolver<Matrix> squares(A * A.transpose());
-  const double least = std::sqrt(std::max(0.0, squares.eigenvalues()[0])),
-               most = std::sqrt(squares.eigenvalues()[squares.eigenvalues().size() - 1]);
+  const SymmetricEigen squares = symmetric_eigen(A * A.transpose());
+  const double least = std::sqrt(std::max(0.0, squares.values[0])),
+               most = std::sqrt(squares.values[squares.values.size() - 1]);
   if (!(least < near * most)) return {};
-  const Vector n = squares.eigenvectors().col(0), x = A.transpose() * n;
+  const Vector n = squares.vectors.col(0), x = A.transpose() * n;
   std::vector<std::string> moved, moving;
   double rate = 0, rates = 0;  // n·s' and the sum of its terms' absolute values
   for (const MotionRows::Row& row : motions.rows()) {

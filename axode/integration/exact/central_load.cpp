@@ -1,9 +1,10 @@
 #include "axode/integration/exact/central_load.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode {
 namespace {
@@ -104,7 +105,7 @@ double maximise_reserve(const std::vector<LoadCondition>& conditions, const Matr
     hessian.setZero();
     for (const Barrier& b : barriers) b.add(at, gradient, hessian);
     gradient[n - 1] += 1 / level;
-    const Vector step = (-hessian).ldlt().solve(gradient);
+    const Vector step = LdltFactor(-hessian).solve(gradient);
     const double decrement = std::sqrt(std::max(0.0, gradient.dot(step)));
     if (!std::isfinite(decrement)) break;
     const Vector next = at + step / (decrement > quick ? 1 + decrement : 1);

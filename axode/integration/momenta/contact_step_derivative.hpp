@@ -1,6 +1,4 @@
 #pragma once
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <string>
 #include <vector>
 
@@ -12,6 +10,7 @@
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/momenta/contact_part.hpp"
 #include "axode/integration/schemes/group_derivatives.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode {
 
@@ -56,7 +55,7 @@ class ContactStepDerivative {
   /// derivatives F_q and F_v by q and v of the force ∂L/∂q of the kinetic energy L (nv × nv each).
   struct Momenta {
     Matrix M, Mv_q, F_q, F_v;
-    Eigen::LLT<Matrix> factor;
+    CholeskyFactor factor;
   };
   /// A floating base in a substep (a step or a part of one). Its coordinates are relative to a moving frame.
   /// This frame begins with the velocity u that the centre of mass of the base with its subtree has after the

@@ -234,7 +234,7 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
   Matrix dp_plus = Ad_transpose(y, start.dp) + h * (df + f_q * carry);
   Matrix left = dexp_transpose(y, (start.dp + dp_plus) / 2) - at_m.Mv_q * carry;
   if (p_ > 0) by_parameters(left) -= parameter_changes_.momenta;
-  const Matrix dv_m = N.partialPivLu().solve(left);
+  const Matrix dv_m = LuFactor(N).solve(left);
   dp_plus += p_plus_by_v * dv_m;
   out.dq_m = carry + by_v * dv_m;
   out.dp_1 = Ad_transpose(y, dp_plus) + h / 2 * turn_of(y, p_plus, true) * dv_m;

@@ -103,7 +103,7 @@ void DriveStates::solve_states(double t, Span q, Span v) {
     system_.rates_by_states(t, q, v, as_span(std::as_const(x_t_)), as_span(dx_t_), f_x_);
     factorize_stage(f_x_);
     residual_ = base_ + kappa_ * dx_t_ - x_t_;
-    change_ = lu_.solve(residual_);
+    lu_.solve(residual_, change_);
     x_t_ += change_;
     const auto size_of_x = nominal_.cwiseMax(x_t_.cwiseAbs());
     if (!(change_.cwiseQuotient(size_of_x).lpNorm<Eigen::Infinity>() > 1e-14)) break;
@@ -124,10 +124,7 @@ void DriveStates::add_force_derivatives(Span q, Span v, Eigen::Ref<Matrix> by_q,
   if (kappa_ == 0) return;
   factorize_stage(by_.f_x);
   for (auto* f : {&by_.f_q, &by_.f_v}) {
-    for (Eigen::Index c = 0; c < f->cols(); ++c) {
-      residual_ = f->col(c);
-      f->col(c) = lu_.solve(residual_);
-    }
+    *f = lu_.solve(*f);
   }
   by_q.noalias() += kappa_ * by_.tau_x * by_.f_q;
   by_v.noalias() += kappa_ * by_.tau_x * by_.f_v;

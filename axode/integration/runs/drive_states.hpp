@@ -1,5 +1,4 @@
 #pragma once
-#include <Eigen/LU>
 #include <numbers>
 #include <span>
 #include <string>
@@ -7,6 +6,7 @@
 
 #include "axode/drives/drive_system.hpp"
 #include "axode/integration/trajectory.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode {
 
@@ -107,7 +107,7 @@ class DriveStates {
   Eigen::MatrixXd f_x_;  ///< ∂x'/∂x in the last evaluation of an implicit step
   // Memory of solve_states(), take_two_stages(), add_force_derivatives() and jumps_at().
   Eigen::MatrixXd stage_matrix_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  LuFactor lu_;
   Vector residual_, change_, start_, rates_;
   DriveDerivatives by_;
   std::vector<std::size_t> discrete_;  ///< of the drives, in jumps_at()

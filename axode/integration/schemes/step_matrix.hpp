@@ -1,11 +1,11 @@
 #pragma once
-#include <Eigen/LU>
 #include <span>
 
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/schemes/energy_norm.hpp"
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode {
 
@@ -35,7 +35,7 @@ template <class System> class StepMatrix {
                           const Vector& a, double c_x, double c_v) {
     assemble(x, q, v, a, c_x, c_v);
     if (system_->is_driven()) add_drive(t, q_0, x, q, v, c_x, c_v);
-    resistance_ = (J_.diagonal() - masses_).cwiseMax(0);
+    resistance_ = (J_ - M_).diagonal().cwiseMax(0);
     lu_.compute(J_);
   }
   /// The inertia that springs, dampers and drives seem to add to each velocity in an implicit step: the
@@ -49,7 +49,7 @@ template <class System> class StepMatrix {
   }
   /// Replaces r by J⁻¹ r.
   void solve(Vector& r) {
-    solution_ = lu_.solve(r);
+    lu_.solve(r, solution_);
     r = solution_;
   }
 
@@ -58,15 +58,14 @@ template <class System> class StepMatrix {
 
   void assemble(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
     // Memory is allocated here, so that schemes which do not use the matrix allocate none.
-    for (Matrix* matrix : {&dq_, &dv_, &J_}) matrix->resize(v.size(), v.size());
-    system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
-    masses_ = J_.diagonal();
+    for (Matrix* matrix : {&dq_, &dv_, &M_}) matrix->resize(v.size(), v.size());
+    system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(M_)});
     if (!group_.commutes()) {
       back_ = -x;
       for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // each row transforms like a momentum, by dexp_{-x}ᵀ
         group_.dexp_transpose(back_, dq_.row(i), dq_.row(i));
     }
-    J_ += c_v * dv_ + c_x * dq_;
+    J_ = M_ + c_v * dv_ + c_x * dq_;
   }
   void add_drive(double t, const Vector& q_0, const Vector& x, const Vector& q, const Vector& v, double c_x,
                  double c_v) {
@@ -86,9 +85,10 @@ template <class System> class StepMatrix {
 
   System* system_;
   ConfigurationGroup<double> group_;
-  Vector q_, back_, solution_, masses_, resistance_;
-  Matrix dq_, dv_, J_;
-  Eigen::PartialPivLU<Matrix> lu_;
+  Vector q_, back_, solution_, resistance_;
+  Matrix dq_, dv_, M_;
+  Eigen::MatrixXd J_;
+  LuFactor lu_;
 };
 
 }  // namespace axode

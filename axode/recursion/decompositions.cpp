@@ -1,0 +1,62 @@
+#include "axode/recursion/decompositions.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+
+namespace axode {
+
+template <class Decomposition>
+void Factor<Decomposition>::compute(const Eigen::Ref<const Eigen::MatrixXd>& A) {
+  factor_.compute(A);
+}
+
+template <class Decomposition>
+void Factor<Decomposition>::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const {
+  x = factor_.solve(b);
+}
+
+template <class Decomposition>
+Eigen::MatrixXd Factor<Decomposition>::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
+  return factor_.solve(B);
+}
+
+template <class Decomposition> double Factor<Decomposition>::rcond() const { return factor_.rcond(); }
+
+template class Factor<Eigen::PartialPivLU<Eigen::MatrixXd>>;
+template class Factor<Eigen::LLT<Eigen::MatrixXd>>;
+template class Factor<Eigen::LDLT<Eigen::MatrixXd>>;
+
+SingularValues singular_values(const Eigen::Ref<const Eigen::MatrixXd>& A) {
+  if (A.rows() == 0 || A.cols() == 0)
+    return {Eigen::MatrixXd::Identity(A.rows(), A.rows()), Eigen::MatrixXd::Identity(A.cols(), A.cols()), {}};
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {svd.matrixU(), svd.matrixV(), svd.singularValues()};
+}
+
+SymmetricEigen symmetric_eigen(const Eigen::Ref<const Eigen::MatrixXd>& A) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(A);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+Eigen::MatrixXd orthogonal_complement(const Eigen::Ref<const Eigen::MatrixXd>& T) {
+  return singular_values(T).V.rightCols(T.cols() - T.rows()).transpose();
+}
+
+Eigen::MatrixXd kernel_of(const Eigen::Ref<const Eigen::MatrixXd>& A) {
+  if (A.rows() == 0) return Eigen::MatrixXd::Identity(A.cols(), A.cols());
+  const Eigen::MatrixXd columns = A.transpose();
+  const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ();
+  return Q.rightCols(A.cols() - A.rows());
+}
+
+std::vector<std::complex<double>> polynomial_roots(const Eigen::Ref<const Eigen::VectorXd>& c) {
+  const Eigen::Index m = c.size() - 1;
+  if (m < 1) return {};
+  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(m, m);
+  companion.row(0) = -c.tail(m).transpose() / c[0];
+  companion.bottomLeftCorner(m - 1, m - 1).setIdentity();
+  const Eigen::VectorXcd roots = companion.eigenvalues();
+  return {roots.begin(), roots.end()};
+}
+
+}  // namespace axode
