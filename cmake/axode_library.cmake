@@ -48,7 +48,6 @@ set(AXODE_PER_SCALAR
     derivatives/spring_derivatives
     derivatives/term_derivatives
     dynamics/closed_form/coriolis
-    dynamics/mass_matrix/definite_inverse
     dynamics/momentum/energy
     dynamics/mass_matrix/mass_matrix_partials
     dynamics/momentum/momentum
