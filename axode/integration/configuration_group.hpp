@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <utility>
 
 #include "axode/integration/local_coordinates.hpp"
 #include "axode/lie/cayley.hpp"
@@ -18,6 +19,15 @@ namespace axode {
 /// write them for exp.
 template <class T, class S = T> class ConfigurationGroup {
  public:
+  /// The first number of an argument or of a result, which is a vector or a pointer.
+  template <class Number> struct First {
+    First(Number* x) : first(x) {}
+    template <class V, class = decltype(std::declval<V&>().data())> First(V&& x) : first(x.data()) {}
+    Number* first;
+  };
+  using Argument = First<const T>;
+  using Result = First<T>;
+
   explicit ConfigurationGroup(const Tree<S>& tree,
                               LocalCoordinates coordinates = LocalCoordinates::exponential)
       : tree_(&tree), by_exp_(coordinates == LocalCoordinates::exponential) {
@@ -28,107 +38,32 @@ template <class T, class S = T> class ConfigurationGroup {
   bool commutes() const { return commutes_; }
 
   /// Computes q ⊕ x. The norm of its quaternions is corrected to second order.
-  void move(const auto& q, const auto& x, auto&& out) const noexcept {
-    each_own_joint([&]<class Joint>(const Joint& joint, int i) {
-      T* const to = first(out) + tree()->iq[i];
-      const T* by = first(x) + tree()->iv[i];
-      std::array<T, Joint::nv> canonical;
-      if constexpr (Joint::nv > 1)
-        if (!by_exp_) {
-          put(joint, log_cay(screw(joint, by)), canonical.data());
-          by = canonical.data();
-        }
-      joint.integrate(first(q) + tree()->iq[i], by, to);
-      if constexpr (Joint::nq > Joint::nv) {
-        const T scale = T(0.5) * (T(3) - (to[0] * to[0] + to[1] * to[1] + to[2] * to[2] + to[3] * to[3]));
-        for (int k = 0; k < 4; ++k) to[k] = scale * to[k];
-      }
-    });
-  }
+  void move(Argument q, Argument x, Result out) const noexcept;
   /// Computes the x with q0 ⊕ x = q1. Rotations take the shorter way round.
-  void difference(const auto& q0, const auto& q1, auto&& out) const noexcept {
-    each_own_joint([&](const auto& joint, int i) {
-      joint.difference(first(q0) + tree()->iq[i], first(q1) + tree()->iq[i], first(out) + tree()->iv[i]);
-    });
-  }
+  void difference(Argument q0, Argument q1, Result out) const noexcept;
   /// Computes out = q ⊕ x ⊕ x, which is q ⊕ 2x in exponential coordinates. The contents of x are lost.
-  void move_twice(const auto& q, auto& x, auto& out) const noexcept {
-    if (by_exp_) {
-      for (int c = 0; c < tree()->nv; ++c) first(x)[c] *= T(2);
-      move(q, x, out);
-    } else {
-      move(q, x, out);
-      move(out, x, out);
-    }
-  }
+  void move_twice(Argument q, Result x, Result out) const noexcept;
   /// Computes x with its entries for joints of one velocity replaced by 0.
-  void noncommuting(const auto& x, auto&& out) const noexcept {
-    each_block(first(x), first(x), first(out), [](const Screw<T>& X, const Screw<T>&) { return X; });
-  }
+  void noncommuting(Argument x, Result out) const noexcept;
   /// Computes the bracket [x, y].
-  void bracket(const auto& x, const auto& y, auto&& out) const noexcept {
-    each_block(first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });
-  }
+  void bracket(Argument x, Argument y, Result out) const noexcept;
   /// Computes dexp_{-x} y, which is the velocity of q ⊕ x if x' = y.
-  void velocity(const auto& x, const auto& y, auto&& out) const noexcept {
-    each_block(
-        first(x), first(y), first(out),
-        [this](const Screw<T>& X, const Screw<T>& Y) { return by_exp_ ? dexp(-X, Y) : dcay(-X, Y); },
-        first(y));
-  }
+  void velocity(Argument x, Argument y, Result out) const noexcept;
   /// Computes dexp_{-x} z + (D_{-y} dexp)_{-x} y, which is the acceleration of q ⊕ x if x' = y and y' = z.
-  void acceleration(const auto& x, const auto& y, const auto& z, auto&& out) const noexcept {
-    each_own_joint([&]<class Joint>(const Joint& joint, int i) {
-      const int c = tree()->iv[i];
-      if constexpr (Joint::nv == 1) {
-        out[c] = z[c];
-      } else {
-        const Screw<T> X = screw(joint, first(x) + c), Y = screw(joint, first(y) + c),
-                       Z = screw(joint, first(z) + c);
-        put(joint, by_exp_ ? dexp(-X, Z) + ddexp(-X, -Y, Y) : dcay(-X, Z) + ddcay(-X, -Y, Y), first(out) + c);
-      }
-    });
-  }
+  void acceleration(Argument x, Argument y, Argument z, Result out) const noexcept;
   /// Computes dexp⁻¹_{-x} y, which is the rate x' for which q ⊕ x has the velocity y.
-  void rate(const auto& x, const auto& y, auto&& out) const noexcept {
-    each_block(
-        first(x), first(y), first(out),
-        [this](const Screw<T>& X, const Screw<T>& Y) { return by_exp_ ? dexp_inv(-X, Y) : dcay_inv(-X, Y); },
-        first(y));
-  }
+  void rate(Argument x, Argument y, Result out) const noexcept;
 
   // The maps ad_transpose(), Ad_transpose() and dexp_transpose() are transposed: they act on momenta p.
   /// Computes ad_xᵀ p.
-  void ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
-    each_dual_block(first(x), first(p), first(out),
-                    [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
-  }
+  void ad_transpose(Argument x, Argument p, Result out) const noexcept;
   /// Computes Ad_{exp x}ᵀ p, which is the momentum p at q, expressed at q ⊕ x.
-  void Ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
-    each_dual_block(
-        first(x), first(p), first(out),
-        [this](const Screw<T>& X, const Screw<T>& P) { return Ad(by_exp_ ? exp(-X) : cay(-X), P); },
-        first(p));
-  }
+  void Ad_transpose(Argument x, Argument p, Result out) const noexcept;
   /// Computes dexp_xᵀ p.
-  void dexp_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
-    if (by_exp_) {
-      each_dual_block(
-          first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); },
-          first(p));
-    } else {
-      each_block(
-          first(x), first(p), first(out),
-          [](const Screw<T>& X, const Screw<T>& P) { return dcay_transpose(X, P); }, first(p));
-    }
-  }
+  void dexp_transpose(Argument x, Argument p, Result out) const noexcept;
 
  private:
   const Tree<S>& tree() const { return *tree_; }
-  static const T* first(const T* x) noexcept { return x; }
-  static T* first(T* x) noexcept { return x; }
-  static auto* first(auto&& x) requires requires { x.data(); }
-  { return x.data(); }
   template <class F> void each_own_joint(const F& f) const noexcept {
     for (const JointGroup& group : tree()->joint_groups)
       if (!group.coupled)
@@ -178,5 +113,109 @@ template <class T, class S = T> class ConfigurationGroup {
   const Tree<S>* tree_;
   bool by_exp_, commutes_ = true;
 };
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::move(Argument q, Argument x, Result out) const noexcept {
+  each_own_joint([&]<class Joint>(const Joint& joint, int i) {
+    T* const to = out.first + tree()->iq[i];
+    const T* by = x.first + tree()->iv[i];
+    std::array<T, Joint::nv> canonical;
+    if constexpr (Joint::nv > 1)
+      if (!by_exp_) {
+        put(joint, log_cay(screw(joint, by)), canonical.data());
+        by = canonical.data();
+      }
+    joint.integrate(q.first + tree()->iq[i], by, to);
+    if constexpr (Joint::nq > Joint::nv) {
+      const T scale = T(0.5) * (T(3) - (to[0] * to[0] + to[1] * to[1] + to[2] * to[2] + to[3] * to[3]));
+      for (int k = 0; k < 4; ++k) to[k] = scale * to[k];
+    }
+  });
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::difference(Argument q0, Argument q1, Result out) const noexcept {
+  each_own_joint([&](const auto& joint, int i) {
+    joint.difference(q0.first + tree()->iq[i], q1.first + tree()->iq[i], out.first + tree()->iv[i]);
+  });
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::move_twice(Argument q, Result x, Result out) const noexcept {
+  if (by_exp_) {
+    for (int c = 0; c < tree()->nv; ++c) x.first[c] *= T(2);
+    move(q, x.first, out);
+  } else {
+    move(q, x.first, out);
+    move(out.first, x.first, out);
+  }
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::noncommuting(Argument x, Result out) const noexcept {
+  each_block(x.first, x.first, out.first, [](const Screw<T>& X, const Screw<T>&) { return X; });
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::bracket(Argument x, Argument y, Result out) const noexcept {
+  each_block(x.first, y.first, out.first, [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::velocity(Argument x, Argument y, Result out) const noexcept {
+  each_block(
+      x.first, y.first, out.first,
+      [this](const Screw<T>& X, const Screw<T>& Y) { return by_exp_ ? dexp(-X, Y) : dcay(-X, Y); }, y.first);
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::acceleration(Argument x, Argument y, Argument z, Result out) const noexcept {
+  each_own_joint([&]<class Joint>(const Joint& joint, int i) {
+    const int c = tree()->iv[i];
+    if constexpr (Joint::nv == 1) {
+      out.first[c] = z.first[c];
+    } else {
+      const Screw<T> X = screw(joint, x.first + c), Y = screw(joint, y.first + c),
+                     Z = screw(joint, z.first + c);
+      put(joint, by_exp_ ? dexp(-X, Z) + ddexp(-X, -Y, Y) : dcay(-X, Z) + ddcay(-X, -Y, Y), out.first + c);
+    }
+  });
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::rate(Argument x, Argument y, Result out) const noexcept {
+  each_block(
+      x.first, y.first, out.first,
+      [this](const Screw<T>& X, const Screw<T>& Y) { return by_exp_ ? dexp_inv(-X, Y) : dcay_inv(-X, Y); },
+      y.first);
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::ad_transpose(Argument x, Argument p, Result out) const noexcept {
+  each_dual_block(x.first, p.first, out.first,
+                  [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::Ad_transpose(Argument x, Argument p, Result out) const noexcept {
+  each_dual_block(
+      x.first, p.first, out.first,
+      [this](const Screw<T>& X, const Screw<T>& P) { return Ad(by_exp_ ? exp(-X) : cay(-X), P); }, p.first);
+}
+
+template <class T, class S>
+void ConfigurationGroup<T, S>::dexp_transpose(Argument x, Argument p, Result out) const noexcept {
+  if (by_exp_) {
+    each_dual_block(
+        x.first, p.first, out.first, [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); },
+        p.first);
+  } else {
+    each_block(
+        x.first, p.first, out.first,
+        [](const Screw<T>& X, const Screw<T>& P) { return dcay_transpose(X, P); }, p.first);
+  }
+}
+
+extern template class ConfigurationGroup<double>;
 
 }  // namespace axode

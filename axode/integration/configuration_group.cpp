@@ -1,0 +1,7 @@
+#include "axode/integration/configuration_group.hpp"
+
+namespace axode {
+
+template class ConfigurationGroup<double>;
+
+}  // namespace axode
