@@ -17,28 +17,14 @@ class EnergyNorm {
   using Argument = Eigen::Ref<const Vector>;
 
   /// Constructs the norm from the bounds m_c of the inertias, one for each velocity.
-  explicit EnergyNorm(const Vector& inertia)
-      : root_(inertia.cwiseSqrt()),
-        inverse_root_((root_.array() > 0).select(root_.cwiseInverse(), Vector::Zero(root_.size()))) {}
+  explicit EnergyNorm(const Vector& inertia);
   /// Constructs the norm with the bounds m_c of the inertias of a tree.
-  explicit EnergyNorm(const Tree<double>& tree) : EnergyNorm(inertia_of(tree)) {}
+  explicit EnergyNorm(const Tree<double>& tree);
 
-  double of_velocities(const Argument& v) const { return length(root_.cwiseProduct(v)); }
-  double of_forces(const Argument& p) const { return length(inverse_root_.cwiseProduct(p)); }
+  double of_velocities(const Argument& v) const;
+  double of_forces(const Argument& p) const;
   /// The norm of q as a displacement: each angle counts as one radian, and each length is that in q.
-  double of_places(const Tree<double>& tree, const Argument& q) const {
-    double squares = 0;
-    for (int i = 1; i <= tree->n; ++i) {
-      if (tree->coupled[i]) continue;
-      with_joint(tree, i, [&]<class Joint>(const Joint& joint) {
-        for (int k = 0; k < Joint::nv; ++k) {
-          const double x = k < joint.angles ? 1 : q[tree->iq[i] + Joint::nq - Joint::nv + k];
-          squares += std::pow(root_[tree->iv[i] + k] * x, 2);
-        }
-      });
-    }
-    return std::sqrt(squares);
-  }
+  double of_places(const Tree<double>& tree, const Argument& q) const;
   /// The weights √m_c of the velocities.
   const Vector& weights() const { return root_; }
   /// The value that velocity c must have so that the norm is `size` if all other velocities are 0. A velocity
@@ -52,19 +38,6 @@ class EnergyNorm {
   }
 
  private:
-  /// The Euclidean norm, also if the squares of its entries overflow.
-  static double length(const auto& x) {
-    const double norm = x.norm();
-    return std::isfinite(norm) ? norm : x.stableNorm();
-  }
-  static Vector inertia_of(const Tree<double>& tree) {
-    Vector m = Vector::Zero(tree->nv);
-    for (int i = 1; i <= tree->n; ++i)
-      for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
-        m[tree->iv[i] + s - tree->first_screw[i]] += std::pow(tree.ratio[i], 2) * tree.inertia_scale[s];
-    return m;
-  }
-
   Vector root_, inverse_root_;
 };
 
