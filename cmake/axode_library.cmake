@@ -119,14 +119,18 @@ function(axode_precompile name first)
                             ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
 endfunction()
 
-# axode_unite_rooms(<target>): compiles the sources of each folder as one unit, because most of the time of a
-# source goes to headers and templates that its neighbours use too.
+# axode_unite_rooms(<target> [<folder>...]): compiles the sources of each folder, or of each of these, as one
+# unit, because most of the time of a source goes to headers and templates that its neighbours use too.
 function(axode_unite_rooms target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "^${PROJECT_SOURCE_DIR}/.*\\.cpp$")
   foreach(source IN LISTS sources)
     cmake_path(GET source PARENT_PATH room)
+    cmake_path(GET room FILENAME folder)
+    if(ARGN AND NOT folder IN_LIST ARGN)
+      continue()
+    endif()
     cmake_path(RELATIVE_PATH room BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/axode)
     string(MAKE_C_IDENTIFIER ${room} room)
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room})
