@@ -6,7 +6,7 @@
 #include "axode/batch/compiled_dynamics.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
-#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/prescribed/closed_motion.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode::batch {

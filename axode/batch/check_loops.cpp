@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/prescribed/closed_motion.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 
 namespace axode::batch {

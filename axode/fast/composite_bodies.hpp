@@ -121,8 +121,8 @@ template <class T> struct FastCompositeBodies {
       for (int c = end; c < nv; c += L::width) store_row<T>(zero, k, c, nv, row + c);
     }
   }
-  /// Writes the columns of M from c on, the last ones, as single numbers. Their rows must have been written in
-  /// the columns before c.
+  /// Writes the last columns of M, from c on, as single numbers. The entries of their rows in the columns
+  /// before c must have been written, because they are copied.
   void write_tail(const Topology& topology, int c, T* out) const noexcept {
     const std::ptrdiff_t nv = topology.nv;
     for (std::ptrdiff_t r = c; r < nv; ++r) {
@@ -136,8 +136,9 @@ template <class T> struct FastCompositeBodies {
       }
     }
   }
-  /// Writes the columns c, c + 1, ... of M, one in each lane. The columns after them that fill registers must
-  /// have been written before, because lanes beyond the end of a row spill into the next row.
+  /// Writes the columns c, c + 1, ... of M, one in each SIMD lane. Blocks of columns must be written from the
+  /// last to the first: lanes beyond the end of a row overwrite the first entries of the next row, which must
+  /// be written later.
   void write_columns(const Topology& topology, int c, T* out) const noexcept {
     const Arrays<T> screw = S, impulse = F;  // local copies, which no store can change
     const int nv = topology.nv, next = std::min(c + L::width, nv);

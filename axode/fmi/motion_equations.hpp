@@ -7,7 +7,7 @@
 
 #include "axode/drives/drive_system.hpp"
 #include "axode/fmi/variables.hpp"
-#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/prescribed/closed_motion.hpp"
 #include "axode/integration/runs/friction_response.hpp"
 #include "axode/integration/runs/plays.hpp"
 #include "axode/model/workspace.hpp"

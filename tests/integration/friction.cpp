@@ -1,5 +1,5 @@
 #include "axode/constraints.hpp"
-#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/prescribed/closed_motion.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
 

@@ -2,8 +2,8 @@
 #include <span>
 #include <vector>
 
-#include "axode/integration/closed_motion.hpp"
 #include "axode/integration/dry_friction.hpp"
+#include "axode/integration/prescribed/closed_motion.hpp"
 #include "axode/model/workspace.hpp"
 
 namespace axode {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/prescribed/closed_motion.hpp"
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/model.hpp"
 

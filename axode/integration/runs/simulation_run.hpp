@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
-#include "axode/integration/closed_motion.hpp"
 #include "axode/integration/dry_friction.hpp"
+#include "axode/integration/prescribed/closed_motion.hpp"
 #include "axode/integration/runs/drive_states.hpp"
 #include "axode/integration/runs/friction_response.hpp"
 #include "axode/integration/runs/plays.hpp"

@@ -1,4 +1,4 @@
-#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/prescribed/closed_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
