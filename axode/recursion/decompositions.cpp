@@ -17,6 +17,10 @@ void Factor<Decomposition>::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) 
 
 template <class Decomposition>
 Eigen::MatrixXd Factor<Decomposition>::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
+  if (B.cols() == 1) {  // equations for a vector take less time than those for a matrix
+    const Eigen::VectorXd x = factor_.solve(B.col(0));
+    return x;
+  }
   return factor_.solve(B);
 }
 
