@@ -33,6 +33,8 @@ class SweepReader {
     add("q ", &State::q, coordinate_names(model));
     add("v ", &State::v, velocities);
     add("a ", &State::a, velocities);
+    add("jerk ", &State::jerk, velocities);
+    add("snap ", &State::snap, velocities);
     add("tau ", &State::tau, velocities);
     known_.push_back({"energy", {}});
   }
@@ -74,10 +76,10 @@ class SweepReader {
     for (std::size_t k = 0; k < names.size(); ++k) {
       const auto found = std::ranges::find(known_, names[k], name_of);
       if (found == known_.end()) {
-        faults_.push_back(
-            fmt::format("{}: the column \"{}\" has no meaning here; columns are t, and q, v, a and tau, each "
-                        "followed by a name{}",
-                        file_, names[k], did_you_mean(names[k], known_, name_of)));
+        faults_.push_back(fmt::format(
+            "{}: the column \"{}\" has no meaning here; columns are t, and q, v, a, jerk, snap and tau, "
+            "each followed by a name{}",
+            file_, names[k], did_you_mean(names[k], known_, name_of)));
       } else if (std::ranges::count(names, names[k]) > 1 &&
                  std::ranges::find(names, names[k]) == names.begin() + static_cast<std::ptrdiff_t>(k)) {
         faults_.push_back(fmt::format("{}: the column \"{}\" is given more than once", file_, names[k]));

@@ -49,8 +49,8 @@ struct Sweep {
   bool timed = false;     ///< whether the file has times
 };
 /// Reads a sequence of states from a CSV file with a row for each state. The columns are t, q NAME, v NAME, a
-/// NAME and tau NAME, as `axode simulate --output run.csv` writes them; any may be missing. Throws InputError
-/// if the file does not fit the model.
+/// NAME, jerk NAME, snap NAME and tau NAME, as `axode simulate --output run.csv` writes most of them; any may
+/// be missing. Throws InputError if the file does not fit the model.
 Sweep read_sweep(const Model& model, const std::string& file);
 
 }  // namespace axode::command

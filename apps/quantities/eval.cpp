@@ -9,13 +9,16 @@
 
 #include "apps/commands/assembling.hpp"
 #include "apps/commands/chart.hpp"
+#include "apps/files/matrix_file.hpp"
 #include "apps/files/model_options.hpp"
 #include "apps/files/state_table.hpp"
+#include "apps/files/text_file.hpp"
 #include "apps/quantities/components.hpp"
 #include "apps/quantities/quantities.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
 #include "apps/shell/terminal.hpp"
+#include "axode/eigen.hpp"
 #include "axode/model/building/builder.hpp"
 
 namespace axode::command {
@@ -23,8 +26,9 @@ namespace {
 
 struct Options {
   ModelOptions mechanism;
-  std::string state, want = "inverse_dynamics", representation = "body", gravity, plot, format = "table";
-  std::vector<std::string> frames, columns;
+  std::string state, want = "inverse_dynamics", representation = "body", gravity, plot, output,
+                     format = "table";
+  std::vector<std::string> frames, columns, stiffness, inertia;
   std::string relative_to = "ground";
   int order = 1;
   std::string coriolis = "christoffel", at = "body";
@@ -52,9 +56,14 @@ Example:
   axode eval arm7.toml --state run.csv --want poses --frame flange --plot flange.svg
 
 A .csv with a row for each state, as `axode simulate --output` writes it, is a sweep: its columns are t
-and, each with a name of `axode info` behind it, q, v, a and tau. The table has the smallest and the
-largest of each number, --plot draws them over t (or those that --columns names), and the JSON has a list
-of values for each quantity.
+and, each with a name of `axode info` behind it, q, v, a, jerk, snap and tau. The table has the smallest
+and the largest of each number, --plot draws them over t (or those that --columns names), --output writes
+them as a .csv with a row for each state, and the JSON has a list of values for each quantity.
+
+How motors before springs must move, so that the joints follow a motion (series_elastic drives of the
+drawing have a stiffness and an inertia too; loops take the motion of their platform):
+  axode eval arm7.toml --state motion.csv --want elastic_feed_forward --stiffness 5000,A7=1000 \
+    --inertia 0.5 --output motors.csv
 
 The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} with arrays in the order
 of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
@@ -235,9 +244,27 @@ std::string extremes(const std::vector<Curve>& curves, const Sweep& sweep) {
   return table.text();
 }
 
+/// The numbers of quantities over many states as CSV, with a row for each state.
+std::string csv_of(const Sweep& sweep, const std::vector<Quantity>& chosen,
+                   const std::vector<std::vector<Curve>>& curves_of_all) {
+  std::vector<std::string> names{sweep.timed ? "t" : "state"};
+  std::vector<const std::vector<double>*> columns{&sweep.t};
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    for (const Curve& curve : curves_of_all[k]) {
+      names.push_back((chosen.size() > 1 ? std::string(chosen[k].name) + " " : "") + curve.name);
+      columns.push_back(&curve.y);
+    }
+  Eigen::MatrixXd all(std::ssize(sweep.t), std::ssize(columns));
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    all.col(static_cast<Eigen::Index>(c)) = as_eigen(std::span(*columns[c]));
+  return as_csv(all, names);
+}
+
 /// Prints the chosen quantities at each state of a sequence of states, and draws their chart.
 void run_sweep(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask,
                const std::optional<ChartFile>& plot) {
+  if (!options.output.empty() && file_format(options.output) != FileFormat::csv)
+    throw UsageError("--output: " + options.output + ": the numbers of a sweep are written as .csv");
   const Sweep sweep = read_sweep(ask.model, options.state);
   Json results = Json::object(), labels = Json::object();
   Chart chart{.title = ask.model.name()};
@@ -271,6 +298,7 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
     chart.panels.back().x_axis = sweep.timed ? "t, s" : "state";
     plot->draw(chart);
   }
+  if (!options.output.empty()) write_text(options.output, csv_of(sweep, chosen, curves_of_all));
   if (format == Format::json) {
     Json out = as_json(ask, options.representation, results, labels);
     out["t"] = sweep.t;
@@ -293,12 +321,16 @@ void run(const Options& options) {
   const bool sweeps = std::filesystem::path(options.state).extension() == ".csv";
   if (!options.plot.empty() && !sweeps)
     throw UsageError("--plot draws a sweep; give its states by --state FILE.csv");
+  if (!options.output.empty() && !sweeps)
+    throw UsageError("--output writes a sweep; give its states by --state FILE.csv");
   const std::optional<ChartFile> plot = chart_file(options.plot);
   Question ask{load(options.mechanism), {}, representation, options.joint_losses};
   if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build();
   for (const std::string& name : options.frames) ask.frames.push_back(ask.model.frame_index(name));
   ask.relative_to = ask.model.frame_index(options.relative_to);
   ask.order = options.order;
+  ask.stiffness = options.stiffness;
+  ask.inertia = options.inertia;
   ask.coriolis = choose("--coriolis", options.coriolis, coriolis_forms);
   ask.at = choose("--at", options.at, wrench_points);
   if (sweeps) {
@@ -342,10 +374,20 @@ void add_eval(CLI::App& app, int& exit_code) {
           "Reference point of the moments of joint_wrenches: origin of the body, or point of the joint")
       ->type_name(words(wrench_points))
       ->capture_default_str();
+  for (const auto& [name, words, purpose] :
+       {std::tuple("--stiffness", &Options::stiffness,
+                   "Stiffness of the springs between motors and joints, N m/rad or N/m; default: rigid"),
+        std::tuple("--inertia", &Options::inertia,
+                   "Inertia of the motors behind their gears, kg m^2 or kg; default: 0")})
+    eval->add_option(name, (*options).*words, purpose)
+        ->type_name("NUMBER,JOINT=NUMBER,...")
+        ->delimiter(',')
+        ->allow_extra_args(false);
   eval->add_flag("--joint-losses", options->joint_losses,
                  "Count damping, friction and losses of gears of the joints as forces");
   add_plot_option(*eval, options->plot);
   add_columns_option(*eval, options->columns);
+  eval->add_option("--output", options->output, "Write the numbers of a sweep to a .csv")->type_name("FILE");
   eval->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
   std::string list;
   for (const Quantity& quantity : quantities())

@@ -378,6 +378,7 @@ const std::vector<Quantity>& quantities() {
     for (Quantity& other : other_quantities()) list.push_back(std::move(other));
     for (Quantity& other : loop_quantities()) list.push_back(std::move(other));
     for (Quantity& other : contact_quantities()) list.push_back(std::move(other));
+    for (Quantity& other : drive_quantities()) list.push_back(std::move(other));
     return list;
   }();
   return all;

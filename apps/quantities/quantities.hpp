@@ -24,6 +24,9 @@ struct Question {
   int order = 1;                 ///< order of derivatives
   CoriolisForm coriolis = CoriolisForm::christoffel;
   WrenchPoint at = WrenchPoint::body;  ///< point about which the moments of joint_wrenches are taken
+  /// Stiffness of the springs and inertia of the motors of drives, N m/rad or N/m and kg m² or kg: words
+  /// NUMBER for all joints, or JOINT=NUMBER.
+  std::vector<std::string> stiffness = {}, inertia = {};
 
   Loads<> loads() const { return {state.loads, joint_losses}; }
 };
@@ -48,6 +51,8 @@ std::vector<Quantity> other_quantities();
 std::vector<Quantity> loop_quantities();
 /// The quantities about collision shapes.
 std::vector<Quantity> contact_quantities();
+/// The quantities about motors.
+std::vector<Quantity> drive_quantities();
 
 /// The frames that the question names, or all frames but the inertial frame if it names none.
 std::vector<int> frames_of(const Question& ask);

@@ -452,12 +452,13 @@ TEST(Sweep, NamesWhatIsWrongWithItsFile) {
   };
   EXPECT_EQ(error(""), "expected a line with the names of columns, and states below it\n");
   EXPECT_EQ(error("t,q pin\n"), "expected a line with the names of columns, and states below it\n");
-  EXPECT_EQ(
-      error("q pni,v pin,w\n0,0,0\n"),
-      "the column \"q pni\" has no meaning here; columns are t, and q, v, a and tau, each followed by a "
-      "name; did you mean "
-      "\"q pin\"?\n"
-      "the column \"w\" has no meaning here; columns are t, and q, v, a and tau, each followed by a name\n");
+  EXPECT_EQ(error("q pni,v pin,w\n0,0,0\n"),
+            "the column \"q pni\" has no meaning here; columns are t, and q, v, a, jerk, snap and tau, each "
+            "followed by a name; did you mean "
+            "\"q pin\"?\n"
+            "the column \"w\" has no meaning here; columns are t, and q, v, a, jerk, snap and tau, each "
+            "followed by "
+            "a name\n");
   EXPECT_EQ(error("t,t\n0,0\n"), "the column \"t\" is given more than once\n");
   EXPECT_EQ(error("t,q pin\n0,0\n1\n"), "state 1: has 1 number, and there are 2 columns\n");
   EXPECT_EQ(error("t,q pin\n0,x\n"), "state 0: q pin is \"x\", which is not a finite number\n");

@@ -6,9 +6,11 @@
 #include <sstream>
 
 #include "axode/catalog.hpp"
+#include "axode/drives/elastic_feed_forward.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/support/comparison.hpp"
 
 /// Every quantity that `axode eval --help` lists, computed for a mechanism with all kinds of joints and for
 /// an arm. The numbers are compared with those of the Python package in tests/python/test_table.py.
@@ -151,6 +153,104 @@ TEST(EvalQuantities, MomentaOfTheStateComeBeforeItsVelocities) {
   EXPECT_EQ(flat(form.at("p")), flat(state.at("p")));
   const Json again = answer(arm, {{"q", state.at("q")}, {"v", form.at("v")}}, "momenta");
   EXPECT_NEAR(flat(again.at("momenta"))[0], 1, 1e-12);
+}
+
+void expect_motors(const Json& found, const MotorMotion& expected) {
+  Comparison same("motors", 1e-12);
+  for (const auto& [key, numbers] : {std::pair("position", &expected.position),
+                                     {"velocity", &expected.velocity},
+                                     {"force", &expected.force}})
+    same.expect_equal(flat(found.at(key)), *numbers);
+}
+
+TEST(EvalQuantities, MotorsOfAnArmFollowFromItsMotionAndTheOptions) {
+  const Model model = load(robot("arm7.toml"));
+  const Json state = moving(model);
+  std::vector<ElasticDrive> drives(7, {2000, 0.3});
+  drives[3].stiffness = 500;
+  std::vector<double> rates;
+  for (const char* row : {"v", "a", "jerk", "snap"})
+    for (const double x : flat(state.at(row))) rates.push_back(x);
+  const Json loaded = answer(robot("arm7.toml"), state, "elastic_feed_forward",
+                             {"--stiffness", "2000,A4=500", "--inertia", "0.3"});
+  Json free = state;
+  free.erase("loads");
+  const Json found = answer(robot("arm7.toml"), free, "elastic_feed_forward",
+                            {"--stiffness", "2000,A4=500", "--inertia", "0.3"})
+                         .at("elastic_feed_forward");
+  MotorMotion motors;
+  ElasticFeedForward(model, drives).evaluate(flat(state.at("q")), rates, motors);
+  expect_motors(found, motors);
+  EXPECT_NE(loaded.at("elastic_feed_forward"), found);
+
+  // The same as a sweep, whose numbers are written to a file.
+  const TemporaryFolder folder;
+  std::string names = "t", numbers = "0";
+  for (const char* key : {"q", "v", "a", "jerk", "snap"})
+    for (int k = 0; k < 7; ++k) {
+      names += "," + std::string(key) + " A" + std::to_string(k + 1);
+      numbers += "," + state.at(key)[static_cast<std::size_t>(k)].dump();
+    }
+  const std::string motion = folder.write("motion.csv", names + "\n" + numbers + "\n"),
+                    file = folder.file("motors.csv");
+  const Outcome sweep =
+      axode({"eval", robot("arm7.toml"), "--state", motion, "--want", "elastic_feed_forward", "--stiffness",
+             "2000,A4=500", "--inertia", "0.3", "--output", file});
+  EXPECT_EQ(sweep.code, 0) << sweep.err;
+  std::istringstream lines(contents(file));
+  std::string head, cell;
+  std::getline(lines, head);
+  EXPECT_THAT(head,
+              testing::StartsWith("\"t\",\"A1 position\",\"A1 velocity\",\"A1 force\",\"A2 position\""));
+  std::vector<double> written;
+  while (std::getline(lines, cell, ',')) written.push_back(std::stod(cell));
+  ASSERT_EQ(written.size(), 22U);
+  for (std::size_t k = 0; k < 7; ++k) EXPECT_NEAR(written[3 + 3 * k], motors.force[k], 1e-9);
+}
+
+/// The motors of a parallel manipulator follow from the motion of its platform alone.
+TEST(EvalQuantities, MotorsOfAParallelManipulatorFollowFromItsPlatform) {
+  const Model model = load(robot("gough.toml"));
+  const std::vector<double> q = neutral(model), rates = {0.1, 0, 0.2, 0.3, 0, -0.4, 1, 2,  3, 0, 1, 2,
+                                                         5,   6, 7,   8,   9, 1,    2, -3, 4, 5, 6, 7};
+  Json state;
+  for (const auto& [row, key] : {std::pair(0, "v"), {1, "a"}, {2, "jerk"}, {3, "snap"}})
+    state[key]["platform_joint"] = std::vector(rates.begin() + 6 * row, rates.begin() + 6 * row + 6);
+  TaskSpace space(model, q);
+  ASSERT_EQ(space.freedom(), 6);
+  MotorMotion motors;
+  ElasticFeedForward drives(model,
+                            std::vector<ElasticDrive>(static_cast<std::size_t>(model.nv()), {5e5, 20}));
+  ASSERT_TRUE(drives.evaluate(space, q, rates, motors).ok());
+  expect_motors(
+      answer(robot("gough.toml"), state, "elastic_feed_forward", {"--stiffness", "5e5", "--inertia", "20"})
+          .at("elastic_feed_forward"),
+      motors);
+}
+
+/// A series-elastic drive of a drawing has a stiffness and, behind its gear, an inertia.
+TEST(EvalQuantities, MotorsOfADrawingAreThoseOfItsDrives) {
+  const TemporaryFolder folder;
+  const auto drawing = [&](const std::string& more) {
+    return folder.write("servo.toml",
+                        "format = \"axode drawing 1\"\nname = \"servo\"\n[[body]]\nname = \"rod\"\n"
+                        "joint = { name = \"hinge\", kind = \"revolute\", axis = \"y\", point = [0, 0, 0] }\n"
+                        "mass = 1\ncom = [0.3, 0, 0]\ninertia = [0.01, 0.02, 0.02]\n"
+                        "[[drive]]\nname = \"motor\"\nkind = \"series_elastic\"\njoint = \"hinge\"\n"
+                        "resistance = 1\ninductance = 0.01\ntorque_constant = 0.2\nratio = 10\n"
+                        "rotor_inertia = 0.001\nstiffness = 50\ninput = 0\n" +
+                            more);
+  };
+  const Json state{{"q", {0.4}}, {"v", {1.5}}, {"a", {2}}, {"jerk", {3}}, {"snap", {4}}};
+  const std::string file = drawing("");
+  const Json found = answer(file, state, "elastic_feed_forward").at("elastic_feed_forward");
+  MotorMotion motors;
+  ElasticFeedForward(load(file), {{50, 0.1}})
+      .evaluate(std::vector{0.4}, std::vector<double>{1.5, 2, 3, 4}, motors);
+  expect_motors(found, motors);
+  const Outcome damped = axode({"eval", drawing("damping = 1\n"), "--want", "elastic_feed_forward"});
+  EXPECT_EQ(damped.code, 1);
+  EXPECT_THAT(damped.err, testing::HasSubstr("the drive \"motor\" has damping or viscous friction"));
 }
 
 TEST(EvalQuantities, FramesOrdersAndObserversAreChosen) {
