@@ -292,8 +292,8 @@ at most 32 axes.
              "threads"_a = 1, R"(
 The partial derivatives contracted with one direction for each order, D_uk ... D_u1 J: shape (6, nv) or (N, 6, nv).
 
-`directions` has shape (k, nv), u1 (taken first) in row 0, or (N, k, nv). The tensor of `jacobian_partials` is never
-built.
+`directions` has shape (k, nv), u1 (taken first) in row 0, or (N, k, nv), for any k. The tensor of `jacobian_partials` is
+never built; the cost grows with 3^k, or with the square of the length of each run of equal consecutive directions.
 
 >>> axode.jacobian_derivative_along(arm, arm.neutral(), "flange", [np.ones(7), np.ones(7)]).shape
 (6, 7)

@@ -405,6 +405,33 @@ TEST(JacobianPartials, OfSecondOrderWithinABallJointDifferByTheBracketOfTheirDir
   });
 }
 
+/// (D_u + D_w)^n = Σ_k binomial(n, k) D_w^k D_u^(n - k) between joints of one velocity, which commute.
+TEST(JacobianPartials, AlongTwoRepeatedDirectionsAreThoseOfTheirSum) {
+  Sample sample(chain(JointKind::revolute, 4), 5, Place<>(4, Vec3<>{0.1, 0.2, 0.3}));
+  constexpr int n = 15;
+  const std::vector<double> u{0.3, -0.2, 0.5, 0.1}, w{-0.4, 0.1, 0.2, 0.6}, both{-0.1, -0.1, 0.7, 0.7};
+  const auto repeated = [](std::vector<double> to, const std::vector<double>& direction, int times) {
+    for (int k = 0; k < times; ++k) to.insert(to.end(), direction.begin(), direction.end());
+    return to;
+  };
+  each_representation([&](auto rep) {
+    using Rep = decltype(rep);
+    Comparison same("D", agreement<double>);
+    std::vector<Twist<Rep>> sum(4, Twist<Rep>{});
+    double binomial = 1, size = 0;
+    for (int k = 0; k <= n; ++k) {
+      const auto term = sample.along<Rep>(n, repeated(repeated({}, u, n - k), w, k));
+      for (std::size_t j = 0; j < 4; ++j) {
+        sum[j] = sum[j] + binomial * term[j];
+        size = std::max(size, binomial * (norm(term[j].w) + norm(term[j].v)));
+      }
+      binomial = binomial * (n - k) / (k + 1);
+    }
+    const auto expected = sample.along<Rep>(n, repeated({}, both, n));
+    for (std::size_t j = 0; j < 4; ++j) same.expect_equal(sum[j], expected[j], size);
+  });
+}
+
 TEST(JacobianPartialsErrors, NameTheValueAndTheRule) {
   Sample sample(chain(JointKind::revolute, 4), 1, 4);
   std::vector<Twist<BodyFixed>> J(16);
@@ -424,7 +451,15 @@ TEST(JacobianPartialsErrors, NameTheValueAndTheRule) {
   };
   EXPECT_EQ(along(2, 8), "no error");
   EXPECT_EQ(along(2, 7), "directions has 7 entries; expected order nv = 8");
-  EXPECT_EQ(along(13, 52), "order 13 is not among 0 to 12");
+  EXPECT_EQ(along(13, 52), "no error");
+  EXPECT_EQ(along(-1, 0), "order is -1; expected 0 or more");
+  std::vector<double> alternating;
+  for (int k = 0; k < 70; ++k) alternating.insert(alternating.end(), 4, k % 2);
+  EXPECT_EQ(message_of([&] {
+              jacobian_derivative_along(sample.model, sample.workspace, sample.q, 4, 70, alternating,
+                                        std::span(J).first(4));
+            }),
+            "the derivative along 70 directions, 70 of them unlike the one before, does not fit into memory");
 }
 
 TEST(JacobianPartialsErrors, ATensorBeyondAllMemoryIsRefused) {

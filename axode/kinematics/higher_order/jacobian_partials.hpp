@@ -9,10 +9,10 @@
 /// J(q ⊕ ε e_k) at ε = 0.
 namespace axode {
 
-/// The largest order of jacobian_derivative_along(), whose cost grows exponentially with the order.
+[[deprecated("jacobian_derivative_along() has no largest order")]]  //
 inline constexpr int largest_directional_order = 12;
-[[deprecated("jacobian_partials() has no largest order; use largest_directional_order")]]  //
-inline constexpr int largest_partial_order = largest_directional_order;
+[[deprecated("jacobian_partials() has no largest order")]]  //
+inline constexpr int largest_partial_order = 12;
 
 /// The partial derivatives ∂^ν J / ∂q_αν ... ∂q_α1 of the Jacobian of a place (a frame or a point on a body),
 /// as a dense tensor: nv^(ν + 1) columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. The
@@ -31,9 +31,11 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
 
 /// The directional derivative D_uν ... D_u1 J of the Jacobian of a place (a frame or a point on a body), nv
 /// columns: the tensor of its partial derivatives contracted with one direction u for each derivative.
-/// `directions` has `order` rows of nv numbers, the innermost direction u1 first. O(m 3^order) screw products
-/// for m joint screws between the place and the ground; order is at most largest_directional_order. If all
-/// directions are equal, HigherOrderMotion is faster. Allocates.
+/// `directions` has `order` rows of nv numbers, the innermost direction u1 first. Any order >= 0 is allowed.
+/// O(m 3^order) screw products for m joint screws between the place and the ground; a run of k equal
+/// consecutive directions counts (k + 1)(k + 2)/2 in this product in place of 3^k. Allocates 2^order screws
+/// for each joint screw and each run, a run counting k + 1 in place of 2^k; throws std::invalid_argument for a
+/// number of screws that no memory can hold.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,

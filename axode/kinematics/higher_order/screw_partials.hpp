@@ -1,6 +1,9 @@
 #pragma once
 #include <algorithm>
 #include <functional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
 #include <vector>
 
 #include "axode/kinematics/path.hpp"
@@ -160,88 +163,125 @@ template <class Rep, class T> class ScrewPartials {
 /// that J_c moves, and W_i(u) is its twist for the joint velocities u. The product rule gives
 ///
 ///   D_S J_c = Σ_{A ⊆ S∖s} [D_A W_i(u_s), D_{S∖s∖A} J_c],  s the lowest index in S.
+///
+/// Sets that differ only within a run of equal consecutive directions have the same derivatives. A part S
+/// therefore counts how often each run occurs, and the sum over sets becomes a sum over parts with the
+/// numbers of these sets, products of binomial coefficients, as weights.
 template <class T> class DirectionalDerivatives {
  public:
-  DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv)
-      : path_(path),
-        sets_(1U << order),
-        order_(order),
-        J_(path.screws.size() * sets_),
-        W_(order * sets_),
-        r_(sets_),
-        Rt_(sets_) {
-    const int n = static_cast<int>(path.screws.size());
-    for (int begin = 0, end = 0; begin < n; begin = end) {
+  /// Computes the derivatives of all screws. Throws std::invalid_argument if no memory can hold them.
+  DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv) : path_(path) {
+    for (int s = 0; s < order; ++s) {
+      const T* const u = directions + static_cast<std::ptrdiff_t>(s) * nv;
+      bool repeated = false;
+      if constexpr (std::is_floating_point_v<T>) repeated = s > 0 && std::equal(u, u + nv, u - nv);
+      if (repeated)
+        ++runs_.back().length;
+      else
+        runs_.push_back({u, 1, 0});
+    }
+    const std::size_t n = path.screws.size(),
+                      most = std::vector<Screw<T>>().max_size() / (n + runs_.size() + 1);
+    for (Run& run : runs_) {
+      run.stride = parts_;
+      if (parts_ > most / (run.length + 1))
+        throw std::invalid_argument("the derivative along " + std::to_string(order) + " directions, " +
+                                    std::to_string(runs_.size()) +
+                                    " of them unlike the one before, does not fit into memory");
+      parts_ *= run.length + 1;
+    }
+    J_.resize(n * parts_);
+    W_.resize(runs_.size() * parts_);
+    r_.resize(parts_);
+    Rt_.resize(parts_);
+    for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
       while (end < n && path.screws[end].joint == path.screws[begin].joint) ++end;
-      body(begin, end, directions, nv);
+      body(begin, end);
     }
     pose();
   }
 
   /// The derivative of screw c of the path along all directions, in the representation Rep at the place.
   template <class Rep> Screw<T> of(int c) const {
-    const unsigned S = sets_ - 1;
-    if constexpr (std::same_as<Rep, Spatial>) return J(c, S);
-    const Screw<T> X{J(c, S).w, linear(c, S)};
+    const std::size_t S = parts_ - 1, a = static_cast<std::size_t>(c);
+    if constexpr (std::same_as<Rep, Spatial>) return J(a, S);
+    const Screw<T> X{J(a, S).w, linear(a, S)};
     if constexpr (std::same_as<Rep, Hybrid>) return X;
     Screw<T> Y;
-    each_subset(S, [&](unsigned A) {
-      Y.w += Rt_[A] * J(c, S & ~A).w;
-      Y.v += Rt_[A] * linear(c, S & ~A);
+    each_part(S, [&](std::size_t A, const T& weight) {
+      Y.w += weight * (Rt_[A] * J(a, S - A).w);
+      Y.v += weight * (Rt_[A] * linear(a, S - A));
     });
     return std::same_as<Rep, Mixed> ? Screw<T>{Y.w, X.v} : Y;
   }
 
  private:
-  const Screw<T>& J(int c, unsigned S) const { return J_[c * sets_ + S]; }
-  static int lowest(unsigned S) { return S & 1U ? 0 : 1 + lowest(S >> 1); }
-  template <class F> static void each_subset(unsigned S, F&& f) {
-    for (unsigned A = S;; A = (A - 1) & S) {
-      f(A);
-      if (A == 0) break;
+  /// Equal consecutive directions u (nv numbers). A part S contains S / stride % (length + 1) of them.
+  struct Run {
+    const T* u;
+    std::size_t length, stride;
+  };
+
+  const Screw<T>& J(std::size_t c, std::size_t S) const { return J_[c * parts_ + S]; }
+  std::size_t count(std::size_t run, std::size_t S) const {
+    return S / runs_[run].stride % (runs_[run].length + 1);
+  }
+  /// The first run that occurs in S, which is not empty.
+  std::size_t lowest(std::size_t S) const {
+    std::size_t s = 0;
+    while (count(s, S) == 0) ++s;
+    return s;
+  }
+  /// Calls f(A, weight) for all parts A of S, with the number of sets that A stands for.
+  template <class F> void each_part(std::size_t S, const F& f) const { each_part(S, runs_.size(), 0, 1, f); }
+  template <class F>
+  void each_part(std::size_t S, std::size_t runs, std::size_t A, double weight, const F& f) const {
+    if (runs == 0) return f(A, T(weight));
+    const std::size_t n = count(runs - 1, S);
+    for (std::size_t k = 0; k <= n; ++k) {
+      each_part(S, runs - 1, A + k * runs_[runs - 1].stride, weight, f);
+      weight = weight * static_cast<double>(n - k) / static_cast<double>(k + 1);
     }
   }
-  Vec3<T> linear(int c, unsigned S) const {
+  Vec3<T> linear(std::size_t c, std::size_t S) const {
     Vec3<T> v = J(c, S).v;
-    each_subset(S, [&](unsigned A) { v += cross(J(c, A).w, r_[S & ~A]); });
+    each_part(S, [&](std::size_t A, const T& weight) { v += weight * cross(J(c, A).w, r_[S - A]); });
     return v;
   }
 
-  /// Computes the derivatives of the screws begin to end - 1, all of one joint: for every subset S of the
-  /// given directions u_s, the derivative along all directions in S, one after the other. W_ has the twist
-  /// W(u_s) of a body for each direction u_s as the joint velocities, and the derivatives of this twist along
-  /// every subset. The body is the predecessor of the joint's body before the call, and the joint's body
-  /// after it.
-  void body(int begin, int end, const T* directions, int nv) {
-    for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
-    for (unsigned S = 0; S < sets_; ++S) {
+  /// Computes the derivatives of the screws begin to end - 1, all of one joint, along all parts. W_ has the
+  /// twist W(u_s) for the joint velocities of each direction u_s, and the derivatives of this twist. Before
+  /// the call it is the twist of the predecessor of the joint's body, and after the call that of this body.
+  void body(std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) J_[c * parts_] = path_.screws[c].spatial;
+    for (std::size_t S = 0; S < parts_; ++S) {
       if (S > 0) {
-        const int s = lowest(S);
-        const unsigned rest = S & (S - 1);
-        for (int c = begin; c < end; ++c) {
+        const std::size_t s = lowest(S), rest = S - runs_[s].stride;
+        for (std::size_t c = begin; c < end; ++c) {
           Screw<T> sum;
-          each_subset(rest, [&](unsigned A) { sum = sum + ad(W_[s * sets_ + A], J(c, rest & ~A)); });
-          J_[c * sets_ + S] = sum;
+          each_part(rest, [&](std::size_t A, const T& weight) {
+            sum = sum + weight * ad(W_[s * parts_ + A], J(c, rest - A));
+          });
+          J_[c * parts_ + S] = sum;
         }
       }
-      for (int s = 0; s < order_; ++s)
-        for (int c = begin; c < end; ++c)
-          W_[s * sets_ + S] = W_[s * sets_ + S] + directions[s * nv + path_.screws[c].c] * J(c, S);
+      for (std::size_t s = 0; s < runs_.size(); ++s)
+        for (std::size_t c = begin; c < end; ++c)
+          W_[s * parts_ + S] = W_[s * parts_ + S] + runs_[s].u[path_.screws[c].c] * J(c, S);
     }
   }
   /// Differentiates r and Rᵀ of the place: D_u r = v + w × r and D_u Rᵀ = -Rᵀ w̃ with (w; v) = W(u).
   void pose() {
     r_[0] = path_.C.r;
     Rt_[0] = transpose(path_.C.R);
-    for (unsigned S = 1; S < sets_; ++S) {
-      const int s = lowest(S);
-      const unsigned rest = S & (S - 1);
-      Vec3<T> r = W_[s * sets_ + rest].v;
+    for (std::size_t S = 1; S < parts_; ++S) {
+      const std::size_t s = lowest(S), rest = S - runs_[s].stride;
+      Vec3<T> r = W_[s * parts_ + rest].v;
       SO3<T> Rt{{}, {}, {}};
-      each_subset(rest, [&](unsigned A) {
-        const Vec3<T>& w = W_[s * sets_ + A].w;
-        r += cross(w, r_[rest & ~A]);
-        const SO3<T>& Q = Rt_[rest & ~A];  // -Q w̃ e = Q (e × w)
+      each_part(rest, [&](std::size_t A, const T& weight) {
+        const Vec3<T> w = weight * W_[s * parts_ + A].w;
+        r += cross(w, r_[rest - A]);
+        const SO3<T>& Q = Rt_[rest - A];  // -Q w̃ e = Q (e × w)
         const Vec3<T> x{T(0), -w.z, w.y}, y{w.z, T(0), -w.x}, z{-w.y, w.x, T(0)};
         Rt = {Rt.x + Q * x, Rt.y + Q * y, Rt.z + Q * z};
       });
@@ -251,8 +291,8 @@ template <class T> class DirectionalDerivatives {
   }
 
   const ScrewPath<T>& path_;
-  unsigned sets_;
-  int order_;
+  std::vector<Run> runs_;
+  std::size_t parts_ = 1;  ///< number of parts: the product of length + 1 of all runs
   std::vector<Screw<T>> J_, W_;
   std::vector<Vec3<T>> r_;
   std::vector<SO3<T>> Rt_;
