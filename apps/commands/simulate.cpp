@@ -57,8 +57,9 @@ methods on (q, p) conserve the momenta of floating bases to rounding: midpoint, 
 (explicit).
 
 --coordinates are relative (joint coordinates), absolute (bodies as points of SE(3), every joint a
-constraint) or absolute_SO3xR3 (bodies as points of SO(3) x R^3). In absolute coordinates dopri5, rk4 and
-euler project onto the constraints after each step. Further methods for absolute coordinates are rattle,
+constraint), absolute_SO3xR3 (bodies as points of SO(3) x R^3) or absolute_by_joint (of SE(3) if a joint on
+the ground constrains the body, of SO(3) x R^3 otherwise). In absolute coordinates dopri5, rk4 and euler
+project onto the constraints after each step. Further methods for absolute coordinates are rattle,
 rattle_suzuki4 and rattle_kahan_li6 (of second, fourth and sixth order; symplectic, or symmetric if there
 are rolling contacts), half_explicit (third order), generalized_alpha and generalized_alpha_index3.
 Results are always joint coordinates.

@@ -101,10 +101,11 @@ inline std::string_view usual_method(const Model& model) {
 }
 
 /// The kinds of coordinates in which a motion is integrated, by name.
-inline constexpr std::array<std::pair<std::string_view, Coordinates>, 3> coordinate_kinds{
+inline constexpr std::array<std::pair<std::string_view, Coordinates>, 4> coordinate_kinds{
     {{"relative", Coordinates::relative},
      {"absolute", Coordinates::absolute},
-     {"absolute_SO3xR3", Coordinates::absolute_SO3xR3}}};
+     {"absolute_SO3xR3", Coordinates::absolute_SO3xR3},
+     {"absolute_by_joint", Coordinates::absolute_by_joint}}};
 
 /// The name of a kind of coordinates.
 constexpr std::string_view to_string(Coordinates coordinates) {

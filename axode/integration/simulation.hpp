@@ -24,6 +24,8 @@ enum class Coordinates {
   relative,         ///< coordinates of the joints; loops are constraints
   absolute,         ///< poses of bodies in SE(3); joints and loops are constraints
   absolute_SO3xR3,  ///< poses of bodies in SO(3) × R³; joints and loops are constraints
+  /// Poses of bodies in SE(3) if a joint on the ground constrains the body, and in SO(3) × R³ otherwise.
+  absolute_by_joint,
 };
 
 /// Options of a simulation. Couplings with play (backlash) act in simulate(), simulate_fixed() and

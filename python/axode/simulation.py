@@ -26,7 +26,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              method: Literal["dopri5", "rk4", "euler", "generalized_alpha", "generalized_alpha_index3", "midpoint",
                              "suzuki4", "kahan_li6", "rk4_momenta", "rattle", "rattle_suzuki4", "rattle_kahan_li6",
                              "half_explicit", "contact", "contact_adaptive", "contact_exact"] | None = None,
-             coordinates: Literal["relative", "absolute", "absolute_SO3xR3"] = "relative",
+             coordinates: Literal["relative", "absolute", "absolute_SO3xR3", "absolute_by_joint"] = "relative",
              local_coordinates: Literal["exponential", "cayley"] = "exponential",
              step: float | None = None, rtol: float = 1e-8, atol: float = 1e-10, spectral_radius: float = 0.8,
              tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque | None = None,
@@ -51,7 +51,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         impacts, stick and slip as roots, see `contact_events`. The default is "dopri5", or "contact" if the drawing has
         `[contact]`.
     coordinates: coordinates of the integration; results are always joint coordinates. "relative": those of the joints;
-        "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
+        "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3;
+        "absolute_by_joint": of SE(3) if a joint on the ground constrains the body, and of SO(3) x R^3 otherwise. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
         "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (of second, fourth and sixth order, no events; symplectic, or with
         rolling contacts only symmetric), "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and

@@ -173,7 +173,7 @@ TEST(SimulateCommand, GivesPassiveJointsNoForce) {
 
 TEST(SimulateCommand, MovesInAbsoluteCoordinates) {
   const Motion joints = motion_of({"--rtol", "1e-10"});
-  for (const std::string kind : {"absolute", "absolute_SO3xR3"}) {
+  for (const std::string kind : {"absolute", "absolute_SO3xR3", "absolute_by_joint"}) {
     for (const auto& [method, tolerance] :
          {std::pair{"rk4", 1e-6}, {"rattle_suzuki4", 1e-6}, {"half_explicit", 1e-3}}) {
       const Motion bodies = motion_of({"--coordinates", kind, "--method", method, "--step", "0.002"});

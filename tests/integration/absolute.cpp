@@ -11,7 +11,8 @@
 namespace axode::test {
 namespace {
 
-constexpr std::array absolute_kinds{Coordinates::absolute, Coordinates::absolute_SO3xR3};
+constexpr std::array absolute_kinds{Coordinates::absolute, Coordinates::absolute_SO3xR3,
+                                    Coordinates::absolute_by_joint};
 
 SimulationOptions in(Coordinates coordinates, SimulationOptions options = {}) {
   options.coordinates = coordinates;

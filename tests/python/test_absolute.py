@@ -4,7 +4,7 @@ import axode
 import numpy as np
 import pytest
 
-KINDS = ["absolute", "absolute_SO3xR3"]
+KINDS = ["absolute", "absolute_SO3xR3", "absolute_by_joint"]
 ARM = axode.load(axode.robots / "arm7.toml")
 HUMANOID = axode.load(axode.robots / "humanoid.urdf", base="free")
 METHODS = {"dopri5": (None, 1e-6), "rk4": (1e-3, 1e-6), "euler": (1e-4, 2e-2), "generalized_alpha": (1e-3, 2e-3),
@@ -47,7 +47,8 @@ def test_drives_losses_loads_events_and_times(coordinates):
 
 
 @pytest.mark.parametrize("arguments, words", [
-    (dict(coordinates="cartesian"), "coordinates is 'cartesian'; expected one of 'relative', 'absolute', 'absolute_SO3xR3'"),
+    (dict(coordinates="cartesian"), "coordinates is 'cartesian'; expected one of 'relative', 'absolute', 'absolute_SO3xR3', "
+     "'absolute_by_joint'"),
     (dict(method="rattle", step=1e-3), 'RATTLE needs coordinates = "absolute"; got "relative"'),
     (dict(method="half_explicit", step=1e-3), 'the half-explicit method needs coordinates = "absolute"; got "relative"'),
     (dict(method="rattle", coordinates="absolute"), "takes fixed steps"),

@@ -24,8 +24,10 @@ class AbsoluteSimulationRun {
                         const SimulationOptions& options)
       : run_(model, q_0, v_0, until, options),
         trajectory(run_.trajectory),
-        bodies_(run_.closed_model(),
-                options.coordinates == Coordinates::absolute ? BodyGroup::SE3 : BodyGroup::SO3xR3),
+        bodies_(run_.closed_model(), options.coordinates == Coordinates::absolute ? BodyGroup::SE3
+                                     : options.coordinates == Coordinates::absolute_SO3xR3
+                                         ? BodyGroup::SO3xR3
+                                         : BodyGroup::by_joint),
         group_(bodies_.group()),
         norm_(inertia_of(bodies_)) {
     if (run_.done()) return;
