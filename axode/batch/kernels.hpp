@@ -63,7 +63,8 @@ template <class S> struct RolloutKernel {
 
 /// The kernels for one instruction set of the processor. `rows` has a kernel for each function of the table
 /// axode/table/functions.hpp, in its order, or null for a function that cannot be computed in SIMD lanes. The
-/// kernels of rollouts need a model without coupled joints, or compiled dynamics.
+/// kernels of rollouts compute trees without coupled joints; for a model with coupled joints they call the
+/// functions that code generation has written and compiled for this model.
 template <class S> struct Kernels {
   int lanes;
   std::array<LaneKernel<S>, catalog::functions_of_state.size()> rows;

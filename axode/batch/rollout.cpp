@@ -133,8 +133,8 @@ template <class S> class ScalarRollout {
   std::vector<S> a_, total_;
 };
 
-/// Integrates several motions at once in SIMD lanes, for models without springs and loops. Models with
-/// coupled joints need compiled dynamics.
+/// Integrates several motions at once in SIMD lanes, for models without springs and loops. For a model with
+/// coupled joints `compiled` must have the functions that code generation has compiled for this model.
 template <class S> class LaneRollout {
  public:
   LaneRollout(const Tree<S>& tree, const CompiledDynamics<S>& compiled, const Tableau& method)

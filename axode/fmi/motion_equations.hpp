@@ -95,9 +95,9 @@ class MotionEquations {
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
   /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches), with the
-  /// states x of drives, the drive forces tau and the wrenches on frames of `at`. They are exact as long as
-  /// no drive changes the form of its law, no joint begins to stick or slide and no play (backlash of a
-  /// coupling) opens or closes, but do not contain losses of gears.
+  /// states x of drives, the poses of `frames`, and the drive forces tau and the wrenches of `at`. They are
+  /// exact as long as no drive changes the form of its law, no joint begins to stick or slide and no play
+  /// (backlash of a coupling) opens or closes, but do not contain losses of gears.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);

@@ -204,8 +204,8 @@ template <class T> struct FirstOrder {
   /// tree without couplings (D1.17). If the joint of a row is before that of the column on a path from the
   /// ground, above() multiplies the joint screw S of the row with the wrenches P, R and U of the column.
   /// If it is the joint of the column or in its subtree, below() multiplies the wrench U and the moment t
-  /// of the row with the screws ψ', ψ'', σ and S of the column. ScrewEffects defines these screws and
-  /// wrenches.
+  /// of the row with the screws ψ', ψ'', σ and S of the column. ScrewEffects defines these screws, the
+  /// wrenches and the moment t.
   struct Columns {
     Arrays<T> effect, NtS;  // copies, so that the compiler knows that no result overwrites them
     Number screws[psi_2 + 12], psi_1_of[3], wrenches[18];
