@@ -66,8 +66,8 @@ struct ContactRolloutDerivatives {
   ContactParameters<double> by = {};
 };
 /// Computes a motion of K steps of length `step` (s) from the state (q, v) under K rows of nv drive forces,
-/// and its derivatives by the first state and by the drive forces. Allocates; O(nv³ + m³) for a step with m constraints (contacts, stops, dry friction,
-/// loops).
+/// and its derivatives by the first state and by the drive forces. Allocates; O(nv³ + m³) for a step with m
+/// constraints (contacts, stops, dry friction, loops).
 ContactSensitivity contact_rollout_derivatives(const Model& model, const ContactShapes& shapes,
                                                std::span<const double> q, std::span<const double> v,
                                                std::span<const double> tau, double step,

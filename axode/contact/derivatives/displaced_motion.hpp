@@ -45,8 +45,8 @@ FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, cons
 /// the twist of body i with the predecessor p and the joint screws S. With the changes dπ of the geometric
 /// parameters of body i and the unit screws U along which they move it,
 ///   ξ_i = ξ_p + U dπ + S dq,   dV_i = dV_p + [ξ_i, S v] + S dv                                     (D11.17)
-/// about a fixed point O, which at q is the origin of the first body on the path from the ground to body i. Costs O(n k). An object
-/// is the scratch memory of one thread.
+/// about a fixed point O, which at q is the origin of the first body on the path from the ground to body i.
+/// Costs O(n k). An object is the scratch memory of one thread.
 class DisplacedMotion {
  public:
   using Changes = Eigen::MatrixXd;

@@ -244,9 +244,9 @@ template <class T> struct SecondOrder {
   struct Entries {
     Number qq, qv, vv, aq;
   };
-  /// Writes the columns c, c + 1, ... of the matrices, one in each SIMD lane. Blocks of columns must be written
-  /// from the last to the first: lanes beyond the end of a row overwrite the first entries of the next row, which
-  /// must be written later.
+  /// Writes the columns c, c + 1, ... of the matrices, one in each SIMD lane. Blocks of columns must be
+  /// written from the last to the first: lanes beyond the end of a row overwrite the first entries of the
+  /// next row, which must be written later.
   void write_columns(const Topology& topology, int c, bool loaded, const HessianBlocks<T>& H) const noexcept {
     const int nv = topology.nv, next = std::min(c + L::width, nv);
     const auto end_of = [&](int k) { return topology.velocity_end[k]; };

@@ -34,8 +34,8 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
 /// `directions` has `order` rows of nv numbers, the innermost direction u1 first. Any order >= 0 is allowed.
 /// O(m 3^order) screw products for m joint screws between the place and the ground; a run of k equal
 /// consecutive directions counts (k + 1)(k + 2)/2 in this product in place of 3^k. Allocates 2^order screws
-/// for each joint screw and each run, a run counting k + 1 in place of 2^k; throws std::invalid_argument for a
-/// number of screws that no memory can hold.
+/// for each joint screw and each run, a run counting k + 1 in place of 2^k; throws std::invalid_argument for
+/// a number of screws that no memory can hold.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,
