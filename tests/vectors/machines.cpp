@@ -144,7 +144,7 @@ TEST_P(PrescribedMachine, MovesAsItsClosedFormWithDynamics) {
         if (name != "generalized_alpha_index3") expect_near(v, k, "v", 1e-9);
       }
     }
-  EXPECT_EQ(tested, 28);
+  EXPECT_EQ(tested, 37);
 }
 
 }  // namespace
