@@ -112,10 +112,6 @@ template <class T> struct SecondOrder {
     first.compose(topology, loaded);
     compose(topology, loaded);
   }
-  /// Writes the second derivatives to the blocks of H, after run(), for a tree without couplings.
-  void write(const Topology& topology, bool loaded, const HessianBlocks<T>& H) const noexcept {
-    for (int c = last_block<T>(topology.nv); c >= 0; c -= L::width) write_columns(topology, c, loaded, H);
-  }
   /// Adds the second derivatives to the blocks of H, after run(). A block that is null is skipped.
   void add_to(const Topology& topology, bool loaded, const HessianBlocks<T>& H) noexcept {
     const std::ptrdiff_t nv = topology.nv;
@@ -239,83 +235,6 @@ template <class T> struct SecondOrder {
   /// the weights λ as velocities.
   T own_bracket(int l, int k) const {
     return Wrench<Spatial, T>{curvature.get3(AS, k), curvature.get3(AS + 3, k)} | first.screws.screw(l);
-  }
-  /// Entries of the four matrices in one row and several columns, one column in each lane.
-  struct Entries {
-    Number qq, qv, vv, aq;
-  };
-  /// Writes the columns c, c + 1, ... of the matrices, one in each SIMD lane. Blocks of columns must be
-  /// written from the last to the first: lanes beyond the end of a row overwrite the first entries of the
-  /// next row, which must be written later.
-  void write_columns(const Topology& topology, int c, bool loaded, const HessianBlocks<T>& H) const noexcept {
-    const int nv = topology.nv, next = std::min(c + L::width, nv);
-    const auto end_of = [&](int k) { return topology.velocity_end[k]; };
-    const auto joint_of = [&](int k) { return topology.first_screw[first.screws.body_of[k]]; };
-    const auto joint_end = [&](int k) { return topology.first_screw[first.screws.body_of[k] + 1]; };
-    Number column, joint, after, subtree;  // of each lane: its column, the first column of its joint, the end
-                                           // of that joint, and the end of the columns that it moves
-    int end = next;                        // of the rows that are not 0
-    for (int l = 0; l < L::width; ++l) {
-      const int k = std::min(c + l, nv - 1);
-      column.x[l] = T(c + l), joint.x[l] = T(joint_of(k)), after.x[l] = T(joint_end(k));
-      subtree.x[l] = T(end_of(k));
-      end = std::max(end, end_of(k));
-    }
-    const Number zero(T(0));
-    const auto chosen = [](const auto& where, const Entries& x, const Entries& y) {
-      return Entries{select(where, x.qq, y.qq), select(where, x.qv, y.qv), select(where, x.vv, y.vv),
-                     select(where, x.aq, y.aq)};
-    };
-    const Entries zeros{zero, zero, zero, zero};
-    const int first_row = joint_of(c), last_row = joint_end(next - 1);
-    for (int r = 0; r < nv; ++r) {
-      const Number row(static_cast<T>(r));
-      Entries x = zeros;
-      if (r < first_row) {
-        if (end_of(r) > c) x = chosen(Number(T(end_of(r))) <= column, zeros, above(r, c, loaded));
-      } else if (r < last_row) {
-        const Entries a = above(r, c, loaded), b = below(r, c, loaded);
-        const auto is_above = row < joint;
-        x = chosen(row < after, a, b);
-        x.vv = select(row < after && !is_above, a.vv - product(first.effect, Part::S, r, curvature, AS, c),
-                      x.vv);
-        x.aq = select(is_above, a.aq, b.aq);
-        x = chosen(subtree <= row || (is_above && Number(T(end_of(r))) <= column), zeros, x);
-      } else if (r < end) {
-        x = chosen(subtree <= row, zeros, below(r, c, loaded));
-      }
-      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * nv + c;
-      store_row<T>(x.qq, r, c, nv, H.qq + at);
-      store_row<T>(x.qv, r, c, nv, H.qv + at);
-      store_row<T>(x.vv, r, c, nv, H.vv + at);
-      store_row<T>(x.aq, r, c, nv, H.aq + at);
-    }
-  }
-  /// The entries of row r in the columns from c on, if the joint of r is before those of the columns (D2.8).
-  [[gnu::always_inline]] Entries above(int r, int c, bool loaded) const {
-    const Arrays<T> e = first.effect, d = curvature;
-    Number qq = product(d, chi, r, e, Part::P, c) + product(e, Part::psi_2, r, d, Y, c) +
-                product(d, psi_1, r, d, X, c);
-    if (loaded) qq = qq + product(e, Part::S, r, d, Q, c);
-    return {qq, product(d, chi, r, e, Part::R, c) + product(d, psi_1, r, d, Z, c),
-            product(e, Part::S, r, d, Z, c), product(e, Part::S, r, d, Y, c)};
-  }
-  /// The entries of row r in the columns from c on, if the joint of r is in the subtrees of the columns.
-  [[gnu::always_inline]] Entries below(int r, int c, bool loaded) const {
-    const Arrays<T> e = first.effect, d = curvature;
-    Number qq = product(e, Part::P, r, d, chi, c) + product(d, Y, r, e, Part::psi_2, c) +
-                product(d, X, r, d, psi_1, c);
-    if (loaded) qq = qq + product(d, Q, r, e, Part::S, c);
-    return {qq, product(d, Y, r, e, Part::sigma, c) + product(d, X, r, e, Part::S, c),
-            product(d, Z, r, e, Part::S, c), product(e, Part::U, r, d, chi, c)};
-  }
-  /// The products of a six-vector of row r with six-vectors of the columns from c on.
-  [[gnu::always_inline]] static Number product(const Arrays<T>& of_row, int i, int r,
-                                               const Arrays<T>& of_columns, int k, int c) {
-    const T *x = of_row.array(i) + r, *y = of_columns.array(k) + c;
-    Number sum = *x * L::load(y);
-    for (int m = 1; m < 6; ++m) sum = sum + x[m * of_row.stride] * L::load(y + m * of_columns.stride);
-    return sum;
   }
   /// Computes the six second derivatives (D2.8) of λ·τ, the forces τ of inverse dynamics with constant
   /// weights λ, along the directions of joint screw l and of each joint screw c from `begin` to `end` - 1.
