@@ -131,7 +131,7 @@ TEST_F(Completion, InBashHasTheWordsThatOptionsTake) {
   EXPECT_THAT(bash({"simulate", "--method", "=", "kah"}), ElementsAre("kahan_li6"));
   EXPECT_THAT(bash({"simulate", "--method", "="}), UnorderedElementsAreArray(method_names()));
   EXPECT_THAT(bash({"eval", "--representation", ""}), ElementsAre("body", "spatial", "hybrid", "mixed"));
-  EXPECT_THAT(bash({"eval", "--want", "poses,elastic"}), ElementsAre("poses,elastic_energy"));
+  EXPECT_THAT(bash({"eval", "--want", "poses,elastic_e"}), ElementsAre("poses,elastic_energy"));
   EXPECT_THAT(bash({"codegen", "--functions", "jac"}), ElementsAre("jacobian"));
   EXPECT_THAT(bash({"codegen", "--abi", "cu"}), ElementsAre("cuda"));
   EXPECT_THAT(bash({"completion", ""}), ElementsAre("bash", "zsh", "fish"));
@@ -146,7 +146,7 @@ TEST_F(Completion, InFishHasTheSame) {
   EXPECT_THAT(fish("axode simulate --meth"), ElementsAre("--method"));
   EXPECT_THAT(fish("axode simulate --method "), UnorderedElementsAreArray(method_names()));
   EXPECT_THAT(fish("axode simulate --method=kah"), ElementsAre("--method=kahan_li6"));
-  EXPECT_THAT(fish("axode eval --want poses,elastic"), ElementsAre("poses,elastic_energy"));
+  EXPECT_THAT(fish("axode eval --want poses,elastic_e"), ElementsAre("poses,elastic_energy"));
   EXPECT_THAT(fish("axode completion "), ElementsAre("bash", "fish", "zsh"));
   EXPECT_THAT(fish("axode info ar"), ElementsAre("arm.toml"));
 }
@@ -154,7 +154,7 @@ TEST_F(Completion, InFishHasTheSame) {
 TEST_F(Completion, InZshHasTheSame) {
   EXPECT_THAT(
       zsh({"axode ev", "axode simulate --meth", "axode simulate --method kah", "axode simulate --method=kah",
-           "axode eval --want poses,elastic", "axode completion z", "axode info ar"}),
+           "axode eval --want poses,elastic_e", "axode completion z", "axode info ar"}),
       ElementsAre("axode eval ", "axode simulate --method=", "axode simulate --method kahan_li6 ",
                   "axode simulate --method=kahan_li6 ", "axode eval --want poses,elastic_energy,",
                   "axode completion zsh ", "axode info arm.toml "));
