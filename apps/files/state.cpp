@@ -6,6 +6,13 @@
 
 namespace axode::command {
 
+std::vector<double> rates_of(const State& state) {
+  std::vector<double> rates = state.v;
+  for (const std::vector<double>* next : {&state.a, &state.jerk, &state.snap})
+    rates.insert(rates.end(), next->begin(), next->end());
+  return rates;
+}
+
 State neutral_state(const Model& model) {
   const std::vector<double> rest(model.nv());
   return {.q = neutral(model),

@@ -21,6 +21,9 @@ struct State {
   std::vector<PoseTarget> targets;
 };
 
+/// The rates of a state: v, a, jerk and snap, one after the other.
+std::vector<double> rates_of(const State& state);
+
 /// The state with every joint at zero and at rest, without forces.
 State neutral_state(const Model& model);
 

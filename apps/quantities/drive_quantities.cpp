@@ -8,22 +8,14 @@
 #include "apps/quantities/quantities.hpp"
 #include "apps/shell/commands.hpp"
 #include "axode/drives/elastic_feed_forward.hpp"
+#include "axode/drives/make_law.hpp"
 #include "axode/kinematics.hpp"
-#include "axode/model/kinds/drive_kinds.hpp"
 
 /// Quantities that `axode eval` computes about the motors of a mechanism.
 namespace axode::command {
 namespace {
 
 constexpr double rigid = std::numeric_limits<double>::infinity();
-
-/// A parameter of a drive of a drawing, or its standard value if the drawing does not give it.
-double parameter_of(const DriveDescription& drive, std::string_view name) {
-  const auto given =
-      std::ranges::find(drive.parameters, name, [](const auto& p) -> std::string_view { return p.first; });
-  if (given != drive.parameters.end()) return given->second;
-  return std::ranges::find(traits(drive.kind).parameters, name, &DriveParameter::name)->standard;
-}
 
 /// Sets the elastic drives (nv) of joints on which a series_elastic drive of the drawing acts. Throws
 /// InputError for such a drive whose motion a feed-forward does not determine.
@@ -82,9 +74,8 @@ std::vector<ElasticDrive> drives_of(const Question& ask) {
 /// platform does not determine count.
 std::vector<double> task_rates(const TaskSpace& space, const State& state) {
   const Model& model = space.model();
-  std::vector<double> rows, rates;
-  for (const auto* row : {&state.v, &state.a, &state.jerk, &state.snap})
-    rows.insert(rows.end(), row->begin(), row->end());
+  const std::vector<double> rows = rates_of(state);
+  std::vector<double> rates;
   HigherOrderMotion<> motion(model, 3);
   motion.evaluate(state.q, rows);
   const std::string platform = space.platform() > 0 ? model.body(space.platform()).name + "." : "";
@@ -111,10 +102,7 @@ Answer elastic_feed_forward_answer(const Question& ask) {
   ElasticFeedForward feed_forward(ask.model, drives_of(ask));
   MotorMotion motors;
   if (ask.model.loops().empty()) {
-    std::vector<double> rates;
-    for (const auto* row : {&ask.state.v, &ask.state.a, &ask.state.jerk, &ask.state.snap})
-      rates.insert(rates.end(), row->begin(), row->end());
-    feed_forward.evaluate(ask.state.q, rates, motors, ask.loads());
+    feed_forward.evaluate(ask.state.q, rates_of(ask.state), motors, ask.loads());
   } else {
     TaskSpace space(ask.model, ask.state.q);
     const TaskVerdict verdict =

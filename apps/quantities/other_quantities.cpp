@@ -38,9 +38,7 @@ template <class Column> Json rows_of(std::span<const Column> columns) {
 }
 /// The motion at the state of the question, with time derivatives of the twists up to the given order.
 HigherOrderMotion<> motion_of(const Question& ask, int order) {
-  std::vector<double> rates = ask.state.v;
-  for (const std::vector<double>* next : {&ask.state.a, &ask.state.jerk, &ask.state.snap})
-    rates.insert(rates.end(), next->begin(), next->end());
+  std::vector<double> rates = rates_of(ask.state);
   rates.resize((order + 1) * ask.model.nv());  // derivatives that the state does not give are 0
   HigherOrderMotion<> motion(ask.model, order);
   motion.evaluate(ask.state.q, rates);
@@ -227,9 +225,8 @@ Answer spatial_momentum_form_answer(const Question& ask) {
                            v, dPi);
 }
 Answer inverse_dynamics_rates_answer(const Question& ask) {
-  std::vector<double> rates, tau(3 * ask.state.v.size());
-  for (const auto* row : {&ask.state.v, &ask.state.a, &ask.state.jerk, &ask.state.snap})
-    rates.insert(rates.end(), row->begin(), row->end());
+  const std::vector<double> rates = rates_of(ask.state);
+  std::vector<double> tau(3 * ask.state.v.size());
   if (ask.model.loops().empty()) {
     InverseDynamicsRates<>(ask.model, 2).evaluate(ask.state.q, rates, tau, ask.loads());
   } else {

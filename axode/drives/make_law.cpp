@@ -27,13 +27,15 @@ double tracking_time(double given, double K_p, double K_i) {
 
 }  // namespace
 
+double parameter_of(const DriveDescription& drive, std::string_view name) {
+  const auto given =
+      std::ranges::find(drive.parameters, name, [](const auto& p) -> std::string_view { return p.first; });
+  if (given != drive.parameters.end()) return given->second;
+  return std::ranges::find(traits(drive.kind).parameters, name, &DriveParameter::name)->standard;
+}
+
 std::shared_ptr<const DriveLaw> make_law(const DriveDescription& drive) {
-  const auto of = [&](std::string_view name) {
-    const auto given =
-        std::ranges::find(drive.parameters, name, [](const auto& p) -> std::string_view { return p.first; });
-    if (given != drive.parameters.end()) return given->second;
-    return std::ranges::find(traits(drive.kind).parameters, name, &DriveParameter::name)->standard;
-  };
+  const auto of = [&](std::string_view name) { return parameter_of(drive, name); };
   switch (drive.kind) {
     case DriveKind::dc_motor:
       return shared(DcMotor{.R = of("resistance"),
