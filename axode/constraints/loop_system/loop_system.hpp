@@ -67,6 +67,7 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Prescribes the right sides s, s' and s'' of some loop equations, for position, velocity and
   /// acceleration, for all later calls. For all other equations they are 0 (D12.1).
   void prescribe(std::span<const PrescribedRow<T>> rows) { prescribed_.assign(rows.begin(), rows.end()); }
+  std::span<const PrescribedRow<T>> prescribed() const { return prescribed_; }
 
   /// Computes the accelerations a (nv) and the multipliers λ of the loop equations at (q, v). If the mass
   /// matrix of the spanning tree is singular, both are NaN. The kinematics that other functions use are not

@@ -76,11 +76,8 @@ class ContactSystem {
   /// acceleration (D12.1). In later calls, loop_openings() subtracts s from the position residuals of the
   /// loops, and loop_bias() subtracts s'' from the biases of the loop equations. prescribed() returns
   /// these right sides.
-  void prescribe(std::span<const PrescribedRow<double>> rows) {
-    prescribed_.assign(rows.begin(), rows.end());
-    loops_.prescribe(rows);
-  }
-  std::span<const PrescribedRow<double>> prescribed() const { return prescribed_; }
+  void prescribe(std::span<const PrescribedRow<double>> rows) { loops_.prescribe(rows); }
+  std::span<const PrescribedRow<double>> prescribed() const { return loops_.prescribed(); }
 
   /// Computes the poses of the internal frames (joint frames) of all bodies at q (n_bodies + 1 entries). The
   /// constraint rows and the factors of the mass matrix are invalid afterwards.
@@ -180,7 +177,6 @@ class ContactSystem {
   Model model_;
   int contact_rows_;
   LoopSystem<double> loops_;
-  std::vector<PrescribedRow<double>> prescribed_;
   std::vector<JointStop> stops_;
   std::vector<DryJoint> dry_;
   VelocityProblem problem_;
