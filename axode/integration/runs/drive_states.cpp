@@ -123,9 +123,12 @@ void DriveStates::add_force_derivatives(Span q, Span v, Eigen::Ref<Matrix> by_q,
   by_v += by_.tau_v;
   if (kappa_ == 0) return;
   factorize_stage(by_.f_x);
-  for (auto* f : {&by_.f_q, &by_.f_v}) {
-    *f = lu_.solve(*f);
-  }
+  for (auto* f : {&by_.f_q, &by_.f_v})
+    for (Eigen::Index c = 0; c < f->cols(); ++c) {
+      residual_ = f->col(c);
+      lu_.solve(residual_, change_);
+      f->col(c) = change_;
+    }
   by_q.noalias() += kappa_ * by_.tau_x * by_.f_q;
   by_v.noalias() += kappa_ * by_.tau_x * by_.f_v;
 }
