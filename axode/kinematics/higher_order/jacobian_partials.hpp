@@ -9,8 +9,6 @@
 /// J(q ⊕ ε e_k) at ε = 0.
 namespace axode {
 
-[[deprecated("jacobian_derivative_along() has no largest order")]]  //
-inline constexpr int largest_directional_order = 12;
 [[deprecated("jacobian_partials() has no largest order")]]  //
 inline constexpr int largest_partial_order = 12;
 
