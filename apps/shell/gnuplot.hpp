@@ -4,7 +4,7 @@
 
 namespace axode::command {
 
-/// What gnuplot returned: its exit status, its picture and its messages.
+/// The result of a run of gnuplot: its exit status, its output, which is the picture, and its messages.
 struct GnuplotOutcome {
   int status;
   std::string out, err;

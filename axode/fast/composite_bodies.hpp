@@ -84,7 +84,8 @@ template <class T> struct FastCompositeBodies {
       }
     } else {
       if (unit_screws(*tree.operator->()) > 0) copy_rows(tree->nv, tree->velocity_end[0], out);
-      const int tail = tree->nv % L::width <= widest_tail ? tree->nv % L::width : 0, end = tree->nv - tail;
+      const int rest = tree->nv % L::width, tail = tree->nv > L::width && rest <= widest_tail ? rest : 0,
+                end = tree->nv - tail;
       for (int c = last_block<T>(end); c >= 0; c -= L::width) write_columns(*tree.operator->(), c, out);
       if (tail > 0) write_tail(*tree.operator->(), end, out);
     }

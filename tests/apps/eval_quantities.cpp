@@ -183,7 +183,7 @@ TEST(EvalQuantities, MotorsOfAnArmFollowFromItsMotionAndTheOptions) {
   expect_motors(found, motors);
   EXPECT_NE(loaded.at("elastic_feed_forward"), found);
 
-  // The same as a sweep, whose numbers are written to a file.
+  // A sweep over one state gives the same numbers, and writes them to a file.
   const TemporaryFolder folder;
   std::string names = "t", numbers = "0";
   for (const char* key : {"q", "v", "a", "jerk", "snap"})

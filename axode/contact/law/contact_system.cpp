@@ -6,7 +6,6 @@
 #include "axode/scalar/index.hpp"
 
 namespace axode {
-namespace {}  // namespace
 
 ContactFrame contact_frame(const Vec3<>& n) noexcept {
   const double s = n.z >= 0 ? 1 : -1, c = -1 / (s + n.z), b = n.x * n.y * c;

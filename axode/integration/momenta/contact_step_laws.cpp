@@ -6,7 +6,6 @@
 #include <limits>
 
 namespace axode {
-namespace {}  // namespace
 
 /// Linearises the mean forces of compliant contacts over the step in their gaps at its end (D11.26).
 void ContactStep::set_compliances(double h) {

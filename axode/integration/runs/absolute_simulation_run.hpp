@@ -24,10 +24,7 @@ class AbsoluteSimulationRun {
                         const SimulationOptions& options)
       : run_(model, q_0, v_0, until, options),
         trajectory(run_.trajectory),
-        bodies_(run_.closed_model(), options.coordinates == Coordinates::absolute ? BodyGroup::SE3
-                                     : options.coordinates == Coordinates::absolute_SO3xR3
-                                         ? BodyGroup::SO3xR3
-                                         : BodyGroup::by_joint),
+        bodies_(run_.closed_model(), group_of(options.coordinates)),
         group_(bodies_.group()),
         norm_(inertia_of(bodies_)) {
     if (run_.done()) return;
@@ -162,6 +159,10 @@ class AbsoluteSimulationRun {
   }
 
  private:
+  static BodyGroup group_of(Coordinates coordinates) {
+    if (coordinates == Coordinates::absolute) return BodyGroup::SE3;
+    return coordinates == Coordinates::absolute_SO3xR3 ? BodyGroup::SO3xR3 : BodyGroup::by_joint;
+  }
   Failure checked(double t, const Solvability& how) {
     return how.ok() ? Failure{} : Failure{t, to_string(trajectory.model(), how)};
   }
