@@ -17,8 +17,9 @@ namespace {
 
 constexpr double rigid = std::numeric_limits<double>::infinity();
 
-/// Sets the elastic drives (nv) of joints on which a series_elastic drive of the drawing acts. Throws
-/// InputError for such a drive whose motion a feed-forward does not determine.
+/// Sets the elastic drives (nv) of the joints for which the description of the model has a drive of the kind
+/// series_elastic. Throws InputError if such a drive acts on several joints or with a factor other than 1, or
+/// has damping or viscous friction: the feed-forward does not support these.
 void add_drives_of_drawing(const Model& model, std::vector<ElasticDrive>& drives) {
   for (const DriveDescription& drive : model.description().drives) {
     if (drive.kind != DriveKind::series_elastic) continue;
@@ -39,8 +40,9 @@ void add_drives_of_drawing(const Model& model, std::vector<ElasticDrive>& drives
   }
 }
 
-/// Sets a member of the elastic drives (nv) from the words of an option, which are numbers for all joints or
-/// JOINT=NUMBER for one joint, in this order of the words.
+/// Sets a member of the elastic drives (nv) from the words of an option. A word is a number, which applies to
+/// all joints with one velocity that are not coupled, or JOINT=NUMBER, which applies to one joint. Later
+/// words override earlier ones.
 void set_drives(const Model& model, const char* option, const std::vector<std::string>& words,
                 double ElasticDrive::*member, std::vector<ElasticDrive>& drives) {
   for (const std::string& word : words) {

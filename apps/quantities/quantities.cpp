@@ -242,10 +242,12 @@ struct Result {
     }
   }
 
-  /// Adds the numbers of the arrays `results` to a table. The axes of the arrays are those of the function's
-  /// result from number `axis` on. The first row begins with the cells `before`. Then each row has one name
-  /// for each axis, which says at which index on this axis the numbers of the row are. Only the last axis of
-  /// a matrix has no such cell: its indices are the columns of the table.
+  /// Adds rows with the numbers of the arrays `results` to a table. Each array is a whole result of a
+  /// function of the catalogue, or the part of it at one index on each of its first `axis` axes; its own axes
+  /// are the remaining ones. The first row begins with the cells `before`. Each row continues with one cell
+  /// for each remaining axis, which has the name of the row's index on this axis, and then has the numbers.
+  /// The last axis of a matrix has no such cell: its indices are the columns of the table. A matrix over
+  /// inertial parameters is written transposed.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {
