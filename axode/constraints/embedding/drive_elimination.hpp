@@ -10,8 +10,8 @@ namespace axode {
 /// Finds drive forces τ and multipliers λ of the loop equations A v = 0 such that τ + Aᵀ λ = f, for the joint
 /// forces f that a motion of the spanning tree needs, by elimination limb by limb ((D18.7) to (D18.9) of
 /// docs/derivations). A limb is a part of the mechanism that is coupled to the rest only through the joints
-/// between the ground and a body called the platform. O(limbs) for limbs of bounded size. The constructor
-/// allocates all memory.
+/// on the path in the spanning tree from the ground to a body called the platform. O(limbs) for limbs of
+/// bounded size. The constructor allocates all memory.
 template <class T> class AXODE_ENTRY DriveElimination {
  public:
   DriveElimination(const Model& model, const LoopTable& table);
@@ -19,10 +19,10 @@ template <class T> class AXODE_ENTRY DriveElimination {
   /// Computes the drive forces τ (nv) and, unless `lambda` is null, the multipliers λ (a number for each loop
   /// equation) with τ + Aᵀ λ = f, for given joint forces f and the Jacobian A of the loop equations. If there
   /// are more drives than needed, τ has the least norm. `driven` (nv) flags the velocities with drives, and
-  /// entries[k] has the entries of A for loop k, column by column. Pivots that are small compared with the
-  /// largest entry or with `considerable` may be rounding errors. Returns false, without results, if the
-  /// mechanism can move while all drives are locked, if λ is wanted and not unique, or if rounding leaves a
-  /// rank open.
+  /// entries[k] has the entries of A for loop k, column by column. `considerable` is a magnitude of entries
+  /// of A that are no rounding errors; pivots are compared with the larger of `considerable` and the largest
+  /// entry. Returns false, without results, if the mechanism can move while all drives are locked, if λ is
+  /// wanted and not unique, or if a pivot is so small in this comparison that it may be a rounding error.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 
@@ -37,17 +37,19 @@ template <class T> class AXODE_ENTRY DriveElimination {
     std::vector<T> mu;  ///< multipliers of the rows of `matrix` after the elimination
   };
   static int size(const std::vector<int>& of) { return static_cast<int>(of.size()); }
-  /// The index of the first column of a carrying velocity, one of the joints between ground and platform.
+  /// The index of the first column of a carrying velocity, which is a velocity of a joint between the ground
+  /// and the platform.
   static int carrying_column(const Part& part) { return size(part.passive) + size(part.active); }
 
   void sort_velocities(const char* driven) noexcept;
   bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
-  /// Computes the multipliers of those loop equations of each limb (a chain that carries the platform) that
-  /// are left over after the elimination of the limb's velocities without a drive. `nu` has the multipliers
-  /// of the equations that result from these when the velocities without a drive of the joints between ground
-  /// and platform are eliminated too. It also serves as scratch memory: its contents are lost.
+  /// Sets the multipliers of the loop equations of each limb (a chain that carries the platform) that are
+  /// left over after the elimination of the limb's velocities without a drive. The leftover equations of all
+  /// limbs are the rows of the matrix `remaining_`, from which the velocities without a drive of the joints
+  /// between the ground and the platform are eliminated in a second step. `nu` has the multipliers of the
+  /// rows of `remaining_` after this step. It also serves as scratch memory: its contents are lost.
   void set_remaining(T* nu) noexcept;
   /// Subtracts the constraint forces of loop equations from `forces` (nv), at the velocities with drives. If
   /// `only_remaining` is set, only those equations of each limb count that are left over after the
@@ -55,9 +57,10 @@ template <class T> class AXODE_ENTRY DriveElimination {
   /// magnitude of a subtracted term, the product of a multiplier and an entry of an equation.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
   /// Replaces the drive forces `forces` (nv) by those of least norm that cause the same motion: the part by
-  /// which drives act against each other is subtracted. Every loop equation that is left over after all
-  /// eliminations gives drive forces without effect on the motion; they are 0 if it is redundant. Returns
-  /// false if rounding errors leave open how many of these forces are independent.
+  /// which drives act against each other is subtracted. A loop equation that is left over after the
+  /// elimination of all velocities without a drive contains only velocities with drives. Its constraint
+  /// forces are therefore drive forces without effect on the motion; they are 0 if the equation is redundant.
+  /// Returns false if rounding errors leave open how many of these forces are independent.
   bool take_least(const T& considerable, T* forces) noexcept;
 
   const LoopTable& table_;

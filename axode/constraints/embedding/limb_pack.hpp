@@ -20,13 +20,14 @@ struct LimbShape {
   bool operator==(const LimbShape&) const = default;
 };
 
-/// Up to `width` limbs (chains that carry the platform) of the same shape, one in each SIMD lane: their loop
-/// equations, and their parts of the equations of motion in task space ((D18.2) to (D18.11)). The matrix of a
-/// limb's loop equations has columns for three kinds of velocities: the dependent ones, which the equations
-/// determine; the inner ones, the other velocities of the limb, which neither the equations nor the platform
-/// determine; and the carrying ones, those of the platform's own joint. Only code that is compiled for an
-/// instruction set may call the functions, because the number of lanes depends on the set. Lanes without a
-/// limb have an identity in place of the dependent velocities.
+/// Up to `width` limbs (chains that carry the platform) with the same numbers of equations and velocities,
+/// one in each SIMD lane: their loop equations, and their parts of the equations of motion in task space
+/// ((D18.2) to (D18.11)). The matrix of a limb's loop equations has columns for three kinds of velocities:
+/// the dependent ones, which the equations determine; the inner ones, the other velocities of the limb, which
+/// neither the equations nor the platform determine; and the carrying ones, which are the velocities of the
+/// joint between the ground and the platform. Lanes without a limb have an identity matrix in the columns of
+/// the dependent velocities, so that their pivots are 1. Only code that is compiled for an instruction set
+/// may call the functions, because the number of lanes depends on the set.
 class LimbPack {
   using L = Lanes<double>;
   using Number = L::Number;
@@ -35,8 +36,8 @@ class LimbPack {
   static constexpr int width = L::width;
   LimbShape shape;
 
-  /// `carrying` is the number of carrying velocities, those of the platform's own joint, and `free` the
-  /// number of independent ones among them.
+  /// `carrying` is the number of carrying velocities, which are the velocities of the joint between the
+  /// ground and the platform, and `free` is the number of independent carrying velocities.
   LimbPack(const LimbShape& of, int carrying, int free)
       : shape(of),
         carrying_(carrying),
@@ -109,11 +110,13 @@ class LimbPack {
     }
     return -1;
   }
-  /// The entry of carrying velocity c, one of the platform's own joint, in row i of the limb in lane l, after
-  /// the elimination.
+  /// The entry of carrying velocity c, a velocity of the joint between the ground and the platform, in row i
+  /// of the loop equations of the limb in lane l, after resolve() has eliminated the limb's dependent
+  /// velocities.
   double carrying_entry(int l, int i, int c) const { return A_.lane(i * columns() + velocities() + c, l); }
 
-  /// Sets the right side -γ (m numbers for all loop equations; null for zeros) and eliminates.
+  /// Sets the right side -γ of the loop equations (m numbers for all loop equations; null for zeros) and
+  /// applies the row operations of the elimination to it.
   void set_right_side(const double* gamma) noexcept {
     if (gamma == nullptr) return b_.clear();
     for (int l = 0; l < size(limbs_); ++l)
@@ -122,12 +125,13 @@ class LimbPack {
     for (int k = 0; k < shape.dependent; ++k)
       for (int i = k + 1; i < shape.rows; ++i) b_.set(i, b_[i] - a(i, k) * b_[k]);
   }
-  /// The right side of row i in lane l, after the elimination.
+  /// The right side of row i of the loop equations of the limb in lane l, after the elimination.
   double right_side(int l, int i) const { return b_.lane(i, l); }
   /// Computes the velocities of all limbs and writes them to x (nv). `y` has the task velocities (f numbers),
-  /// from which the inner velocities of a limb, which the platform does not determine, are read: those of
-  /// limb k begin at first_inner[k]. `s` has the velocities of the platform's own joint. The dependent
-  /// velocities follow from both and from the right side of the eliminated loop equations.
+  /// from which the inner velocities of a limb, which the platform does not determine, are read: the inner
+  /// velocities of limb k begin at first_inner[k]. `s` has the velocities of the joint between the ground and
+  /// the platform. The dependent velocities follow from the inner velocities, from `s` and from the right
+  /// side of the eliminated loop equations.
   void expand(const double* y, const std::vector<int>& first_inner, const double* s, double* x) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.inner; ++j)
@@ -145,8 +149,8 @@ class LimbPack {
   /// Computes the rows of the dependent velocities in the matrix F of v = F V (D18.6), which maps task
   /// velocities V to joint velocities v. A limb has columns for the task velocities on which its velocities
   /// depend: first those of the platform, then its inner velocities, which the platform does not determine. N
-  /// maps the task velocities of the platform to the velocities of the platform's own joint; it is stored row
-  /// by row, with `stride` numbers in each row.
+  /// maps the task velocities of the platform to the velocities of the joint between the ground and the
+  /// platform; it is stored row by row, with `stride` numbers in each row.
   void make_F(const double* N, int stride) noexcept {
     for (int i = shape.dependent; i-- > 0;) {
       for (int t = 0; t < free_; ++t) {
@@ -170,10 +174,11 @@ class LimbPack {
   int motions() const { return free_ + shape.inner; }
 
   /// Computes the part Fᵀ M F of each limb in the mass matrix of the task space (D18.11). F maps task
-  /// velocities to joint velocities, and M (nv × nv) is the mass matrix of the spanning tree. If the shape is
-  /// `coupled`, this includes the entries of M for a velocity of the limb and one of the platform's own
-  /// joint. `carrying` are the indices of the latter velocities, and N, with `stride` numbers in each row,
-  /// maps task velocities to them.
+  /// velocities to joint velocities, and M (nv × nv) is the mass matrix of the spanning tree. If
+  /// shape.coupled is set, M couples the limbs with the joint between the ground and the platform, and the
+  /// part includes the entries of M for a velocity of the limb and one of this joint. `carrying` has the
+  /// indices of the velocities of this joint, and N, with `stride` numbers in each row, maps task velocities
+  /// to them.
   void make_M(const double* M, int nv, const std::vector<int>& carrying, const double* N,
               int stride) noexcept {
     const int n = velocities(), d = shape.dependent, m = motions();
@@ -240,10 +245,11 @@ class LimbPack {
     }
   }
 
-  /// Computes the multipliers of the pivot rows of the dependent velocities without a drive: the constraint
-  /// forces of these loop equations supply the joint forces f (nv) that the motion needs at these velocities
-  /// (D18.7). Subtracts the constraint forces of the same rows at the velocities of the platform's own joint
-  /// from `carrying` (D18.8).
+  /// Computes multipliers of the loop equations that are pivot rows of the dependent velocities without a
+  /// drive, that is, from which the elimination determines these velocities. The constraint forces of these
+  /// rows supply the joint forces f (nv) that the motion needs at the velocities without a drive (D18.7).
+  /// Subtracts the constraint forces of the same rows at the velocities of the joint between the ground and
+  /// the platform from `carrying` (D18.8).
   void subtract_passive(const double* f, double* carrying) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.passive; ++j) x_.lane(j, l) = f[velocity(l, j)];
@@ -330,7 +336,9 @@ class LimbPack {
     for (int j = 0; j < columns(); ++j) exchange(A_, k * columns() + j, i * columns() + j);
     exchange(row_, k, i);
   }
-  /// Sets the products Fᵀ Q of each limb, if `first`, or adds them and their transposes. Q has `n` columns.
+  /// Computes the product Fᵀ Q of each limb in the mass matrix of the task space, where F maps task
+  /// velocities to joint velocities and Q has `n` columns. If `first` is set, stores the product; otherwise
+  /// adds the product and its transpose to the stored matrix.
   void set_product(const Array& Q, int n, bool first) noexcept {
     const int m = motions();
     const auto product = [&](int r, int t) {

@@ -5,8 +5,9 @@
 
 namespace axode {
 
-/// A limb: velocities that are coupled to those of other limbs only through the joints between the ground and
-/// a body called the platform.
+/// A limb: a set of velocities of the spanning tree, and the loops that constrain them. Two velocities are in
+/// the same limb if one loop constrains both, or if one is on the path of the other to the ground. The joints
+/// on the path from the ground to a body called the platform are in no limb.
 struct Limb {
   std::vector<int> velocities;  ///< indices of velocities, ascending; empty for a loop between the platform
                                 ///< and the ground
@@ -23,14 +24,16 @@ struct Limbs {
                               ///< are not `carrying`
 };
 
-/// Divides a mechanism into limbs, parts that are coupled only through the joints between the ground and the
-/// body `platform` (1 to n, or 0 for none). `paths` has the paths of all loops in the spanning tree.
+/// Divides a mechanism into limbs, parts that are coupled only through the joints on the path in the spanning
+/// tree from the ground to the body `platform` (1 to n, or 0 for none). `paths` has the paths of all loops in
+/// the spanning tree.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platform);
 
-/// Divides a mechanism into limbs, parts that are coupled only through the joints between the ground and a
-/// body called the platform. The platform is chosen such that eliminations limb by limb cost least. It is one
-/// of the 16 bodies through which most loops pass, or there is none if this costs least. O(nv + m d) for m
-/// loop equations on paths of d joints.
+/// Divides a mechanism into limbs, parts that are coupled only through the joints on the path in the spanning
+/// tree from the ground to a body called the platform. `paths` has the paths of all loops in the spanning
+/// tree. The platform is chosen such that eliminations limb by limb cost least. It is one of the 16 bodies
+/// through which most loops pass, or there is none if this costs least. O(nv + m d) for m loop equations on
+/// paths of d joints.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths);
 
 }  // namespace axode

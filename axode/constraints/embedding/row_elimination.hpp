@@ -12,12 +12,13 @@
 namespace axode {
 
 /// Gaussian elimination of the first columns of a small matrix A, with complete pivoting among these columns.
-/// Eliminated entries are not set to zero.
+/// The number of columns to be eliminated is an argument of reset(). Eliminated entries are not set to zero.
 template <class T> class RowElimination {
  public:
-  /// A pivot is certain if it is larger than this part of the largest entry of the first columns.
+  /// A pivot is certain if it is larger than this part of the largest entry of the columns to be eliminated.
   static constexpr T certain = std::same_as<T, float> ? T(1e-3) : T(1e-6);
-  /// An entry is a rounding error if it is smaller than this part of the largest entry of the first columns.
+  /// An entry is a rounding error if it is smaller than this part of the largest entry of the columns to be
+  /// eliminated.
   static constexpr T rounding = std::same_as<T, float> ? T(1e-5) : T(1e-11);
 
   void reserve(std::size_t rows, std::size_t columns) {
@@ -98,9 +99,10 @@ template <class T> class RowElimination {
       for (int i = k + 1; i < m_; ++i) mu[k] -= factors(i)[k] * mu[i];
     for (int i = 0; i < m_; ++i) lambda[row_before(i)] = mu[i];
   }
-  /// Solves the pivot rows of the eliminated matrix, with the right side b, for the unknowns x of the first
-  /// columns. b is in the order of the rows after pivoting, and x in the original order of columns. Unknowns
-  /// without a pivot must be given in x.
+  /// Solves the pivot rows of the eliminated matrix, with the right side b, for the unknowns x of the columns
+  /// to be eliminated, whose number is an argument of reset(). Other columns have no effect. b is in the
+  /// order of the rows after pivoting, and x in the original order of columns. Unknowns without a pivot must
+  /// be given in x.
   void solve(const T* b, T* x) const noexcept {
     for (int k = rank_; k-- > 0;) {
       T rest = b[k];
@@ -108,7 +110,8 @@ template <class T> class RowElimination {
       x[column_before(k)] = rest * inverse_[index(k)];
     }
   }
-  /// Computes E b (`after`) for a right side b (`before`) of the rows before the elimination.
+  /// Applies the row operations of the elimination, the product of which is a matrix E, to a right side:
+  /// computes E b (`after`) for b (`before`) in the order of the rows before the elimination.
   void reduce(const T* before, T* after) const noexcept {
     for (int i = 0; i < m_; ++i) after[i] = before[row_before(i)];
     for (int k = 0; k < rank_; ++k)

@@ -13,10 +13,11 @@ class LimbPack;
 TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
 
 /// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
-/// and velocities of joints that the platform does not determine. The platform has a joint on the ground,
-/// most often a free one, and its velocities are called the carrying velocities. The dependent velocities of
-/// each limb (a chain that carries the platform) are eliminated from its loop equations. The equations that
-/// remain restrict the carrying velocities. Limbs of the same shape are computed together, in SIMD lanes.
+/// and velocities of joints that the platform does not determine. The velocities of the joint between the
+/// ground and the platform, most often a free joint, are called the carrying velocities. The dependent
+/// velocities of each limb (a chain that carries the platform) are eliminated from its loop equations. The
+/// equations that remain restrict the carrying velocities. Limbs with the same numbers of equations and
+/// velocities are computed together, in SIMD lanes.
 class AXODE_ENTRY TaskKernel {
  public:
   using Vector = Eigen::VectorXd;
@@ -39,11 +40,15 @@ class AXODE_ENTRY TaskKernel {
   const Model& model() const { return system_.model(); }
   const std::vector<Part>& parts() const { return parts_; }
   const std::vector<int>& carrying() const { return carrying_; }
-  /// The number of independent ones among the carrying velocities, those of the platform's own joint.
+  /// The number of independent carrying velocities. The carrying velocities are those of the joint between
+  /// the ground and the platform.
   int independent() const { return static_cast<int>(carrying_.size()) - dependent_; }
 
-  /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the
-  /// platform's joint from the loop equations ((D18.2) to (D18.5)). Returns what is singular.
+  /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the joint
+  /// between the ground and the platform from the loop equations ((D18.2) to (D18.5)). Returns limb_singular
+  /// with the index of a limb whose loop equations do not determine its dependent velocities,
+  /// constraint_singular if the motion of the platform is not determined by its task velocities, and
+  /// otherwise solved.
   TaskVerdict resolve() noexcept;
   /// Computes the joint velocities or accelerations x (nv) that keep the loops closed, A x = -γ (D18.10),
   /// from task velocities or their rates X (f numbers). A is the Jacobian of the loop equations; γ is the
@@ -94,8 +99,9 @@ class AXODE_ENTRY TaskKernel {
   bool has_drive(int c) const { return model().loops().driven[index(c)] != 0; }
   void make_parts(const Limbs& limbs);
   void determine_ranks();
-  /// Puts the limbs into packs of the same shape, with the velocities of the platform's own joint in their
-  /// present order.
+  /// Distributes the limbs over packs, which are computed in SIMD lanes. The limbs of a pack have the same
+  /// numbers of loop equations and of velocities of each kind. The columns of the velocities of the joint
+  /// between the ground and the platform get the present order of `carrying_`.
   void make_packs();
   void choose_components();
   /// Orders `velocities` in three groups: the dependent velocities without a drive, the dependent ones with a
@@ -108,16 +114,17 @@ class AXODE_ENTRY TaskKernel {
   /// Eliminates the dependent velocities of all limbs from their loop equations. Returns the index of a limb
   /// that is singular; -1 if there is none.
   int eliminate_limbs() noexcept;
-  /// Eliminates the dependent ones of the carrying velocities, those of the platform's own joint, from the
-  /// loop equations that remain after the elimination of the limbs' velocities. Returns whether the rank of
-  /// these equations is certain in spite of rounding errors.
+  /// Eliminates the dependent velocities of the joint between the ground and the platform, the first
+  /// `dependent_` ones in `carrying_`, from the loop equations that remain after the elimination of the
+  /// limbs' velocities. Returns whether the rank of these equations is certain in spite of rounding errors.
   bool eliminate_constraints() noexcept;
-  /// Computes the matrix N that maps task velocities to the carrying velocities, those of the platform's own
-  /// joint. The task velocities are here the independent ones among the latter, so that N is N_c of (D18.4).
+  /// Computes the matrix N that maps task velocities to the velocities of the joint between the ground and
+  /// the platform. The task velocities are here the independent velocities of this joint, so that N is N_c of
+  /// (D18.4).
   void solve_constraints() noexcept;
-  /// Replaces the task velocities, which are independent velocities of the platform's joint, by the chosen
-  /// components of the platform's twist: changes the matrix N that maps task velocities to the velocities of
-  /// the joint. Returns whether these components determine the motion.
+  /// Replaces the task velocities, which are independent velocities of the joint between the ground and the
+  /// platform, by the chosen components of the platform's twist: changes the matrix N that maps task
+  /// velocities to the velocities of the joint. Returns whether these components determine the motion.
   bool change_to_components() noexcept;
   /// Computes the inertias of the bodies with the indices first, first + 1, ..., one in each SIMD lane. They
   /// are in inertial axes, about the origin of the first body on the path from the ground to each body.
@@ -147,8 +154,9 @@ class AXODE_ENTRY TaskKernel {
   bool are_components_ = false;  ///< whether the carrying velocities themselves are the chosen components
   RowElimination<double> to_components_;
   /// The linear system for the multipliers of the loop equations that remain after the elimination of the
-  /// limbs' velocities without a drive (D18.8). It has a row for each velocity of the platform's own joint, a
-  /// column for each remaining loop equation, and a last column for the right side.
+  /// limbs' velocities without a drive (D18.8). It has a row for each velocity of the joint between the
+  /// ground and the platform, a column for each remaining loop equation, and a last column for the right
+  /// side.
   Eigen::MatrixXd drives_;
   bool drives_by_limbs_ = false;  ///< whether drive_forces() may use the elimination of resolve()
   Matrix N_;                      ///< carrying velocities × f: N of (D18.5)

@@ -11,8 +11,9 @@ namespace axode {
 /// v', v'', ... (K + 1 rows of nv numbers). The derivatives follow from small linear systems for each chain
 /// that carries the platform (D18.13, D18.14).
 ///
-/// The number of drives must be that of the freedoms that they move. The returned TaskVerdict says what is
-/// singular. Throws std::invalid_argument for wrong sizes. Allocates; O(K² (nv + m d) + K³ n) for m loop
+/// There must be as many drives as task velocities, and no loop equation may be redundant; otherwise the
+/// returned TaskVerdict is drives_singular. It also reports singular limbs and numbers that are not finite.
+/// Throws std::invalid_argument for wrong sizes. Allocates; O(K² (nv + m d) + K³ n) for n bodies and m loop
 /// equations on paths of d joints.
 [[nodiscard]] TaskVerdict inverse_dynamics_rates(TaskSpace& space, std::span<const double> q,
                                                  std::span<const double> rates, std::span<double> tau,

@@ -45,21 +45,22 @@ struct TaskEquations {
 
 /// A parallel manipulator in its task space: chains of bodies, the limbs, carry a body called the platform,
 /// and the velocities of each limb follow from the motion of the platform independently of the other limbs.
-/// The task velocities V are components of the body-fixed twist of the platform, as many as it has freedoms,
-/// followed by joint velocities that the platform does not determine, such as the spin of a rod between two
-/// balls. Without a platform all task velocities are joint velocities. See (D18.1) to (D18.6) of
+/// The task velocities V are components of the body-fixed twist of the platform, as many as it has degrees of
+/// freedom, followed by joint velocities that the platform does not determine, such as the spin of a rod
+/// between two balls. Without a platform all task velocities are joint velocities. See (D18.1) to (D18.6) of
 /// docs/derivations/constraint-embedding.md.
 ///
 /// A TaskSpace has the scratch memory of one thread; only equations() allocates. Configurations q must close
-/// the loops, and velocities v must keep them closed. Costs are O(limbs) for limbs of bounded size.
+/// the loops, and velocities v must keep them closed. The springs of the model do not act; the forces τ that
+/// forward_dynamics() takes may contain their forces. Costs are O(limbs) for limbs of bounded size.
 class TaskSpace {
  public:
   /// Determines the limbs (the chains that carry the platform), their mobility and the task velocities at a
   /// closed, regular configuration q. `platform` is the name of a body whose joint is on the ground; if it is
-  /// empty, the body is chosen for which computations limb by limb cost least. Springs act only if their
-  /// forces are added to τ. Throws std::invalid_argument for a wrong size of q or a q that leaves a loop
-  /// open, an unknown body, a body whose joint is coupled or not on the ground, a mechanism without loops or
-  /// with prescribed motions, and ranks that rounding leaves open.
+  /// empty, the body is chosen for which computations limb by limb cost least. Throws std::invalid_argument
+  /// for a wrong size of q or a q that leaves a loop open, an unknown body, a body whose joint is coupled or
+  /// not on the ground, a mechanism without loops or with prescribed motions, and ranks that rounding leaves
+  /// open.
   TaskSpace(const Model& model, std::span<const double> q, std::string_view platform = {});
   ~TaskSpace();
   TaskSpace(TaskSpace&&) noexcept;
