@@ -94,10 +94,12 @@ class MotionEquations {
   /// The poses of frames, given by indices, with 12 numbers each: columns of the rotation, then position.
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
-  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches), with the
-  /// states x of drives, the poses of `frames`, and the drive forces tau and the wrenches of `at`. They are
-  /// exact as long as no drive changes the form of its law, no joint begins to stick or slide and no play
-  /// (backlash of a coupling) opens or closes, but do not contain losses of gears.
+  /// The derivatives of the equations of motion at the time, the state (q, v, x), the drive forces and the
+  /// wrenches of `at`; x are the states of drives. The rows are those of q', v', x' and the poses of `frames`
+  /// (12 numbers each), one below the other. The columns are the derivatives by q, v, x, the drive forces and
+  /// the wrenches (6 numbers for each loaded frame). The derivatives are exact as long as no drive changes
+  /// the form of its law, no joint begins to stick or slide and no play (backlash of a coupling) opens or
+  /// closes, but do not contain losses of gears.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);
