@@ -40,7 +40,9 @@ struct Sizes {
   std::size_t n() const { return 2 * nv + nx; }
 };
 
-/// A motion with drives, step by step, with the displacements of its state along several directions.
+/// A motion with drives, step by step, with the displacements of its state along several directions. A
+/// displacement is the first-order change of the state when the initial state, the forces or the inputs
+/// change along a direction.
 class DriveTangentSteps {
  public:
   using End = DriveSteps::End;
@@ -66,8 +68,9 @@ class DriveTangentSteps {
   /// longer.
   TangentSteps tangent;
 
-  /// Advances the motion to t_1 under the forces tau. Also advances its displacements if tau changes by dtau
-  /// (nv × directions) and the inputs by du (nu × directions).
+  /// Advances the motion to the time t_1 under the drive forces tau (nv). Also advances the displacements of
+  /// the state, which are its first-order changes along several directions. In direction k the drive forces
+  /// change by column k of dtau (nv × directions) and the inputs by column k of du (nu × directions).
   Solvability advance(double t_1, Span tau, const Matrix& dtau, const Matrix& du) {
     const Eigen::Index m = dtau.cols();
     const auto rates = [&](double t, Span q, Span v, Span x, std::span<double> a, std::span<double> dx) {

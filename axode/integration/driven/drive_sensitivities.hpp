@@ -8,14 +8,14 @@
 #include "axode/recursion/solvability.hpp"
 
 /// Sensitivities of the motion of a mechanism with drives that have states, integrated from time t in K equal
-/// steps as by batch::rollout() under drive forces tau that are constant in each step. They are the exact
+/// steps as by batch::rollout() under drive forces tau that are constant in each step. They are the
 /// derivatives of the numerical method. If the law of a drive changes its form, for example at a limit, they
-/// take into account that the time of the change depends on the state (D17.20). Where the time of such a
-/// change moves, the derivatives leave out that a law may depend on the time in another way than by its
-/// input, and that states may jump at the change. Displacements and gradients of q are left-trivialised,
-/// along q ⊕ ε dq. The components of loads are constant in the representation in which they are given. If
-/// loads.joint_losses is set, damping and Coulomb friction act; friction has the derivative 0. Springs,
-/// dampers and stops of the model act.
+/// take into account that the time of the change depends on the state (D17.20). They are exact except for two
+/// effects at a change whose time depends on the state: they neglect jumps of states at the change, and an
+/// explicit dependence of laws on time, other than through inputs that are functions of time. Displacements
+/// and gradients of q are left-trivialised, along q ⊕ ε dq. The components of loads are constant in the
+/// representation in which they are given. If loads.joint_losses is set, damping and Coulomb friction act;
+/// friction has the derivative 0. Springs, dampers and stops of the model act.
 ///
 /// If x is empty, the drives choose their initial states, which are then taken as independent of q and v.
 /// Throws std::invalid_argument for wrong sizes, numbers of the initial state that are not finite,
