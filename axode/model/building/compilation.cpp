@@ -71,12 +71,13 @@ class Compiler {
   }
 
  private:
-  /// Where a body of the description is in the model: `carrier` is the moving body into which it is merged,
-  /// or the body itself. In the frame of the described body, the joint frame of the carrier has the pose S F.
-  /// S is the pose of the joint frame of the described body, and F is the pose of the joint frame of the
-  /// carrier relative to it. Exception: if the body is merged and given in the inertial frame, S is the pose
-  /// of the joint frame of the carrier, and F is the identity. S and F are stored apart, because S F may be
-  /// small while both are large.
+  /// Where a body of the description is in the model: `carrier` is the index of the moving body into which it
+  /// is merged (0 for the ground), or of the body itself. In the frame of the described body, the joint frame
+  /// of the carrier has the pose S F. If the body is merged and its geometry is described in the inertial
+  /// frame, S is this pose, and F is the identity. Otherwise S is the pose of the joint frame of the
+  /// described body in the frame of this body, and F is the pose of the joint frame of the carrier relative
+  /// to that joint frame. S and F are stored apart, because S F may be a short displacement while S and F are
+  /// long ones.
   struct Carried {
     int carrier = 0;
     SE3<> S, F;

@@ -61,7 +61,8 @@ struct Placement {
 /// The joint frame of a fixed joint has no influence on the motion. If the body is described by joint frames,
 /// it is the described one. Otherwise it is the body frame, except for a body that is described in the
 /// construction frame (the inertial frame at q = 0) and whose predecessor is not the ground: then it is the
-/// joint frame of the predecessor, because body frames may be far away.
+/// joint frame of the predecessor. The frame of such a body is often the construction frame itself, which may
+/// be far from the body.
 ///
 /// The point of a prismatic joint has no influence on the motion either. If a body that is described in the
 /// construction frame has its centre of mass further away from this point than 16 radii of gyration, the
