@@ -13,8 +13,9 @@ namespace {
 using namespace nb::literals;
 
 /// Computes two results for every state: arrays with items of the shapes `first` and `second`, where
-/// f(workspace, k, first, second) writes the items of state k. If a state cannot be computed, for example
-/// because its mass matrix is singular, throws an error that contains the first result.
+/// f(workspace, k, first, second) writes the two items of state k. If a state cannot be computed, for example
+/// because its mass matrix is singular, throws an error that contains the array of the first results of all
+/// states.
 template <class F>
 std::tuple<Array, Array> each_pair(const States& states, const Shape& first, const Shape& second,
                                    const F& f) {
