@@ -19,9 +19,9 @@ struct StatesFunction {
                                ///< lanes
   bool returns_singularity;
 };
-/// Makes C code with the function NAME_states, which computes several states by calls of the function NAME or
-/// of its counterpart for SIMD lanes, and with the constant NAME_scratch, the number of entries of the memory
-/// that NAME_states needs.
+/// Makes C code that evaluates the generated function NAME for several given states. The function NAME_states
+/// calls NAME, which takes one state, or the version of NAME that takes one state in each SIMD lane. The
+/// constant NAME_scratch is the length of the scratch memory that NAME_states needs, in numbers.
 std::string c_states(const StatesFunction& function, const Precision& precision, int lanes);
 
 }  // namespace axode::codegen

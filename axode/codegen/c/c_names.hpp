@@ -11,8 +11,9 @@ namespace axode::codegen {
 /// The default prefix of all names in generated C: the name of the model as an identifier.
 std::string prefix_for(const Model& model, Abi abi);
 
-/// The name of each frame of the model as a C identifier. Numbers are appended to identifiers that would be
-/// equal, also after the name of a representation has been appended to one of them.
+/// The name of each frame of the model as a C identifier. A number is appended to an identifier that would
+/// otherwise equal another one. The identifiers also remain distinct if the name of a representation, such as
+/// _spatial, is appended to some of them, as function_names() does for Jacobians.
 std::vector<std::string> frame_identifiers(const Model& model, Abi abi);
 
 /// The names PREFIX_FUNCTION of generated functions. For a pose or a Jacobian the name of the frame is
