@@ -15,14 +15,17 @@ struct [[nodiscard]] ContactStatus {
 
 /// Computes the velocities v⁺ after a step h at a given state (q, v) of a mechanism with contacts, hard
 /// stops, joints with dry friction and closed loops, all in one problem (D11.5): M (v⁺ - v) = h (τ - b) + Jᵀ
-/// λ, with the drive forces τ, the bias forces b(q, v), and the Jacobian J of the constraint rows. The
-/// velocities J v⁺ + r of the rows obey the laws of contact and friction (Signorini, Coulomb) together with
-/// the impulses λ; r are given below. All matrices are taken at the given state; nothing is integrated.
+/// λ, with the mass matrix M, the drive forces τ, the bias forces b(q, v), and the Jacobian J of the
+/// constraint rows. The velocities J v⁺ + r of the rows obey the laws of contact and friction (Signorini,
+/// Coulomb) together with the impulses λ; the terms r are given below. All matrices are taken at the given
+/// state; nothing is integrated.
 ///
-/// For the normal row of a contact and for a stop, let u be its velocity before the step, `gap` its distance
-/// and e its restitution. It bounces if e > 0, u < -threshold and gap + h u ≤ 0; then r = e u. Otherwise r =
-/// max(gap/h, -5 threshold): the gap may close within the step, and an overlap is removed slowly. For a row
-/// of a loop, r is its position residual divided by h. For all other rows r is 0.
+/// For the normal row of a contact and for a stop, let u be its velocity before the step (negative during
+/// approach), `gap` its distance (negative in overlap), e its coefficient of restitution, and `threshold` the
+/// speed of approach below which nothing bounces (see Options). The row bounces if e > 0, u < -threshold and
+/// gap + h u ≤ 0; then r = e u. Otherwise r = max(gap/h, -5 threshold): the gap may close within the step,
+/// and an overlap is removed slowly. For a row of a loop, r is its position residual divided by h. For all
+/// other rows r is 0.
 ///
 /// An object is the scratch memory of one thread and keeps the results of solve(). Impulses λ are in N s and
 /// N m s.

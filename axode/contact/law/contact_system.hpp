@@ -95,10 +95,10 @@ class ContactSystem {
   void loop_openings(const double* q, double* openings) noexcept;
 
   /// Factorises the mass matrix and makes all constraint rows at q. Of the hard stops only those nearer than
-  /// `stop_margin` (rad or m) get rows. Afterwards the rows are in physical units; the impulse of a joint
-  /// with dry friction is bounded by its friction force times the step h. `resistance` has an inertia for
-  /// each velocity that is added to the mass matrix, or is null. Allocates only if there are more contacts
-  /// than the capacity.
+  /// `stop_margin` (rad or m) get rows. Afterwards the rows of problem() are in physical units, not yet
+  /// multiplied by coefficients of friction. The impulse of a joint with dry friction is bounded by its
+  /// friction force times the step h. `resistance` has an inertia for each velocity that is added to the mass
+  /// matrix, or is null. Allocates only if there are more contacts than the capacity.
   Solvability set(const double* q, std::span<const Contact> contacts, double h,
                   double stop_margin = std::numeric_limits<double>::infinity(),
                   const double* resistance = nullptr);
@@ -126,9 +126,10 @@ class ContactSystem {
   /// arguments of a call may be the same memory.
   void pull(const double* p, double* x) noexcept;
   void push(const double* x, double* v) noexcept;
-  /// With the Jacobian J of all constraint rows, times() computes their velocities u = J v, and
-  /// add_transposed_times() computes p += Jᵀ λ from their impulses λ. They are in physical units, without
-  /// coefficients of friction.
+  /// With the Jacobian J of all constraint rows, times() computes the velocities u = J v of the rows from the
+  /// joint velocities v, and add_transposed_times() adds the generalised impulses Jᵀ λ of the impulses λ of
+  /// the rows to p. The velocities u (m/s, rad/s) and the impulses λ (N s, N m s) are physical: they are not
+  /// scaled by coefficients of friction, even after finish() of the problem has scaled its rows.
   void times(const double* v, double* u) const noexcept;
   void add_transposed_times(const double* lambda, double* p) const noexcept;
   /// Writes the Jacobian J of all rows, rows × nv numbers, row by row.

@@ -10,7 +10,8 @@
 namespace axode {
 namespace {
 
-/// Largest number of columns of a node that consists of several clusters.
+/// Largest number of columns of a node, a set of columns that are eliminated together, if it is merged from
+/// several clusters (sets of columns with the same sparsity pattern).
 constexpr int most_columns = 48;
 
 /// A matrix whose columns begin `stride` numbers apart and are filled up to whole tiles.
@@ -165,10 +166,11 @@ void SparseFactor::order_clusters() noexcept {
   }
 }
 
-/// Merges clusters of columns that can be eliminated together. Let d be the cluster that is eliminated
-/// first of those in whose rows the columns of cluster c have entries below c. Cluster c is merged into d
-/// if the columns of both have entries in the same rows below d, and if they are not more than
-/// most_columns in all.
+/// Merges clusters, which are sets of columns with the same sparsity pattern, so that they can be eliminated
+/// together. When cluster c is eliminated, its columns also have entries in the rows of clusters that are
+/// eliminated later. Let d be the one of these clusters that is eliminated first. Cluster c is merged into d
+/// if, among the rows that are eliminated after d, the columns of c and of d have entries in the same ones,
+/// and if they are not more than most_columns columns in all.
 void SparseFactor::merge_clusters() noexcept {
   std::vector<int>& below = degree_;
   for (int c = 1; c < clusters_; ++c) {
@@ -310,9 +312,10 @@ void SparseFactor::factorize() noexcept {
   }
 }
 
-/// Gauss' elimination, with exchanges of rows, of the columns of a node, which are eliminated together. D
-/// is the square block of the matrix in the rows and columns of the node, and P a permutation: P D = L U.
-/// Then come the rows of L below this block, and the columns of U to the right of it.
+/// Eliminates the columns of a node, which is a set of consecutive columns, by Gauss' elimination with
+/// exchanges of rows within the node. Let D be the square block of the matrix in the rows and columns of the
+/// node. The elimination computes the factors of P D = L U with a permutation P, the rows of L below this
+/// block, and the columns of U to the right of it. These numbers overwrite the entries of the matrix.
 void SparseFactor::eliminate(const Node& node) noexcept {
   const int columns = node.columns, below = node.below.count, rows = columns + below;
   double* const L = values_.data() + node.L;
@@ -344,7 +347,8 @@ void SparseFactor::eliminate(const Node& node) noexcept {
   }
 }
 
-/// Cholesky's factorisation of the columns of a node, which are eliminated together.
+/// Eliminates the columns of a node, which is a set of consecutive columns, by Cholesky's factorisation L Lᵀ
+/// of the matrix. The columns of L overwrite the columns of the matrix.
 void SparseFactor::eliminate_symmetric(const Node& node) noexcept {
   const int columns = node.columns, rows = columns + node.below.count;
   for (int k = 0; k < columns; ++k) {

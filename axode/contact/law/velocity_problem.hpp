@@ -7,16 +7,18 @@
 namespace axode {
 
 /// The problem to find the multipliers (impulses) λ of constraint rows with the Jacobian J, such that the
-/// velocities u = Yᵀ (w + Y λ) + r of the rows obey the laws of their blocks together with λ (D11.5). r are
-/// given terms, such as the velocities with which contacts bounce.
+/// velocities u = Yᵀ (w + Y λ) + r of the rows obey the laws of contact, friction and loops together with λ
+/// (D11.5). r are given terms, such as the velocities with which contacts bounce. A block consists of
+/// consecutive rows that obey one law together, such as the rows of one contact.
 ///
 /// With the mass matrix M = Lᵀ D L, x = D^½ L v are the velocities in the metric of the masses: |x|² = vᵀ M
-/// v. w is x for the motion without impulses, and Y = D^-½ L⁻ᵀ Jᵀ has a column for each row. The columns of a
-/// block are stored only for the velocities that the block can move.
+/// v. w is x for the motion without impulses, and Y = D^-½ L⁻ᵀ Jᵀ has a column for each row of J. Of the
+/// columns of a block, only the entries for a given set of velocities are stored, the support of the block;
+/// all other entries are 0.
 ///
 /// The caller gives rows in physical units together with a factor c for each row, which is the coefficient of
 /// friction for friction rows and 1 for all others. When the problem is completed, the rows are multiplied by
-/// c; they are called scaled rows from then on. A multiplier x of a scaled row stands for the impulse c x.
+/// c; they are called scaled rows from then on. A multiplier λ of a scaled row stands for the impulse c λ.
 class VelocityProblem {
  public:
   using Vector = Eigen::VectorXd;
@@ -46,7 +48,8 @@ class VelocityProblem {
   /// needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
-  /// Sets the compliance C of a compliant block after finish(): its normal law is then for u + C λ, not u.
+  /// Sets the compliance C of a block with a compliant contact, after finish(): the law of its normal row
+  /// then holds for u + C λ instead of the velocity u.
   void set_compliance(const Block& block, double C) noexcept;
   double compliance(const Block& block) const noexcept;
   /// Completes the problem. Multiplies the constraint rows by their factors c, which are coefficients of
@@ -56,10 +59,11 @@ class VelocityProblem {
   /// larger. If the normal impulse of a contact is given, adds the motion by this impulse to w, the motion
   /// without impulses.
   void finish() noexcept;
-  /// Writes the given normal impulses of pressed contacts, which the law leaves out, into a solution.
+  /// Writes the normal impulses that were given for some contacts (ContactLaw::pressed) into the multipliers
+  /// `lambda` of a solution, in which they are 0.
   void complete(double* lambda) const noexcept;
 
-  /// The number of velocities, those of compliances included.
+  /// The number of entries of w: the velocities of the mechanism, and one more for each compliant contact.
   int nv() const { return static_cast<int>(w.size()); }
   int rows() const { return static_cast<int>(r.size()); }
   std::span<const Block> blocks() const { return blocks_; }
@@ -77,8 +81,9 @@ class VelocityProblem {
   }
   const std::vector<double>& squared_scales() const { return d2_; }
   /// Whether an impulse of a constraint row changes the motion; it is known once the problem is complete. It
-  /// is false only for loop constraints that a joint of the tree satisfies in any motion; all their
-  /// coefficients are 0 and must remain so.
+  /// is false only for a row of a loop whose Jacobian is 0 up to rounding, because joints of the tree satisfy
+  /// the constraint in any motion. finish() sets the column of Y and the term r of such a row to 0. A caller
+  /// that changes r or the Jacobian of rows afterwards must leave them 0 for this row.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.

@@ -12,7 +12,8 @@ namespace axode {
 namespace {
 
 /// A small number ε that changes the matrix of Newton's method (D11.9) such that it is regular although
-/// contacts are redundant, and such that redundant contacts keep their load.
+/// contacts are redundant. Newton's steps then hardly change the part of the impulses that causes no motion,
+/// so that redundant contacts share the load as they did at the start of the iteration.
 constexpr double keep = 1e-9;
 /// The approximate number of columns of Y that are multiplied at once when Y B Yᵀ is computed.
 constexpr int most_solved = 48;
@@ -55,7 +56,8 @@ void VelocitySolver::begin(const VelocityProblem& p) noexcept {
   if (by_multipliers_) p.delassus(Eigen::Map<Eigen::MatrixXd>(G_memory_.data(), rows_, rows_));
 }
 
-/// Finds the groups of blocks that move the same velocities, and the order of elimination for them.
+/// Finds the groups of constraint rows whose impulses change the same velocities, and the order in which the
+/// velocities are eliminated when a matrix is factorised.
 void VelocitySolver::analyse() noexcept {
   sparse_.begin(problem_->nv());
   std::size_t last = std::numeric_limits<std::size_t>::max();

@@ -16,14 +16,14 @@ struct [[nodiscard]] VelocitySolution {
 };
 
 /// Solves a VelocityProblem: finds multipliers λ which obey the laws λ = resolve(λ - u/d²) with the
-/// velocities u of the rows. `resolve` maps a trial impulse to the impulse that the law allows, and d² is
-/// about the diagonal entry of the Delassus operator for a row. It makes proximal steps: from multipliers
-/// λ_0, a step solves λ = resolve(λ_0 - u/R) by Newton's method, with a factor R that makes the solution
-/// unique (D11.8). Near the solution, Newton's method is applied to the laws themselves (D11.9). If the
-/// relative error of the laws, the certificate, stays above 1e-9, the solver starts again: from 0, from the
-/// results of alternating directions (D11.10), from solutions of easier problems with compliant contacts
-/// (D11.10a), and from disturbed multipliers. It returns the multipliers with the least certificate, and this
-/// certificate.
+/// velocities u of the constraint rows. `resolve` maps a trial impulse to the impulse that the law allows,
+/// and d² is about the diagonal entry of the Delassus operator for a row. The solver makes proximal steps:
+/// from multipliers λ_0, a step solves λ = resolve(λ_0 - u/R) by Newton's method, with a factor R that makes
+/// the solution unique (D11.8). Near the solution, Newton's method is applied to the laws themselves (D11.9).
+/// If the relative error of the laws, the certificate, stays above 1e-9, the solver starts again: from 0,
+/// from the results of alternating directions (D11.10), from solutions of easier problems with compliant
+/// contacts (D11.10a), and from disturbed multipliers. The result is the multipliers with the least
+/// certificate, and this certificate.
 ///
 /// The unknowns are velocities or multipliers, whichever takes fewer operations. Matrices in velocities are
 /// factorised along the bodies that touch, see SparseFactor, by Cholesky's method while no contact slides.
@@ -37,11 +37,12 @@ class VelocitySolver {
   /// If it returns false, the search ends. May be empty.
   using Monitor = std::function<bool()>;
 
-  /// Improves the multipliers `lambda` of the constraint rows, which are multiplied by the coefficients of
-  /// friction, from their given values until the certificate, the relative error of the laws, is at most
-  /// `tolerance`, or until rounding prevents progress. The solver starts again from other multipliers only
-  /// while the certificate is above 1e-9 and the monitor does not return false. Memory must have been
-  /// reserved. Allocates nothing, and throws only what the monitor throws.
+  /// Improves the multipliers `lambda` of the constraint rows, one number for each row, from their given
+  /// values until the certificate, the relative error of the laws, is at most `tolerance`, or until rounding
+  /// prevents progress. The rows are the scaled rows of the problem: friction rows are multiplied by the
+  /// coefficients of friction. The solver starts again from other multipliers only while the certificate is
+  /// above 1e-9 and the monitor does not return false. Memory must have been reserved. Allocates nothing, and
+  /// throws only what the monitor throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
@@ -51,9 +52,10 @@ class VelocitySolver {
   void begin(const VelocityProblem& problem) noexcept;
   void analyse() noexcept;
   double certify(const double* lambda) noexcept;
-  /// Computes resolve() of z_ for all blocks and writes it to `lambda`.
+  /// Maps the trial impulses z_ of all constraint rows to the impulses that the laws of contact allow, by
+  /// resolve(), and writes them to `lambda`.
   void resolve_all(double* lambda) const noexcept;
-  /// Computes u_ = Yᵀ (w + Y λ) + r and t_ = Y λ.
+  /// Computes t_ = Y λ and the velocities u_ = Yᵀ (w + Y λ) + r of the constraint rows for the multipliers λ.
   void compute_velocities(const double* lambda) noexcept;
 
   /// Options of newton().
@@ -87,33 +89,35 @@ class VelocitySolver {
   /// least certificate.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
-  /// Makes the matrix B of each block of rows for Newton's method. Z is the derivative, at the trial
-  /// impulse z_, of the map `resolve` from a trial impulse to the impulse that the law of contact allows.
-  /// R is a factor by which velocities of rows are divided to become impulses. For a proximal step, λ =
-  /// resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and B = Z/R. For the laws themselves, λ = resolve(λ
-  /// - u/R), B = (1 - (1 - kept) Z)⁻¹ Z/R with a small number `kept` > 0, without which the inverse does
-  /// not exist if the block sticks, because then Z = 1 (D11.9). Returns whether the matrices of all blocks
-  /// are symmetric.
+  /// Makes, for each block of constraint rows (such as the rows of one contact), the matrix B of Newton's
+  /// method: if the velocities of the block change by δu, the linearised law changes its impulses by -B δu. Z
+  /// is the derivative, at the trial impulse z_, of the map `resolve` from a trial impulse to the impulse
+  /// that the law of contact allows. R is a factor by which velocities u of rows are divided to become
+  /// impulses. For a proximal step, λ = resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and B = Z/R. For
+  /// the laws themselves, λ = resolve(λ - u/R), B = (1 - (1 - kept) Z)⁻¹ Z/R with a small number `kept` > 0,
+  /// without which the inverse does not exist if the block sticks, because then Z = 1 (D11.9). Returns
+  /// whether the matrices of all blocks are symmetric.
   bool make_matrices(double kept) noexcept;
-  /// Factorises 1 + Y B Yᵀ for Newton's method in velocities; `symmetric` says that all B are symmetric.
+  /// Factorises the matrix 1 + Y B Yᵀ of Newton's method in velocities, where the block-diagonal matrix B has
+  /// the matrices of make_matrices(). `symmetric` says whether all of them are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
   /// Factorises the matrix of Newton's method whose unknowns are the multipliers λ. Z is the derivative of
-  /// the map `resolve` from a trial impulse to the impulse that the law of contact allows. R is a factor
-  /// by which velocities of rows are divided to become impulses, and Yᵀ Y is the Delassus operator. For a
-  /// proximal step, λ = resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and the matrix is 1 + Z R⁻¹ Yᵀ
-  /// Y. For the laws themselves, λ = resolve(λ - u/R), it is 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with a small
-  /// number `kept` > 0, which makes it regular if contacts are redundant (D11.9).
+  /// the map `resolve` from a trial impulse to the impulse that the law of contact allows. u are the
+  /// velocities of the constraint rows, R is a factor by which they are divided to become impulses, and Yᵀ Y
+  /// is the Delassus operator. For a proximal step, λ = resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and
+  /// the matrix is 1 + Z R⁻¹ Yᵀ Y. For the laws themselves, λ = resolve(λ - u/R), it is 1 - (1 - kept) Z + Z
+  /// R⁻¹ Yᵀ Y with a small number `kept` > 0, which makes it regular if contacts are redundant (D11.9).
   void factorize_multipliers(double kept) noexcept;
-  /// a := B a, block by block, with the matrices B of make_matrices().
+  /// Computes a := B a with the block-diagonal matrix B that has the matrices of make_matrices().
   void multiply_blocks(Vector& a) const noexcept;
 
   /// Runs the alternating direction method of multipliers (D11.10) from λ = 0, and writes the multipliers
-  /// with the least certificate (the relative error of the laws) to `lambda`. Each iteration maps the
-  /// trial impulses of every block to impulses that its law allows. If `on_laws`, this map is resolve(),
-  /// with which the exact law between impulses λ and velocities u is λ = resolve(λ - u/R) for any R > 0.
-  /// Otherwise it is the projection on the friction cone, and the tangential speed is added to the normal
-  /// velocity of each contact (De Saxcé's form of the law).
+  /// with the least certificate (the relative error of the laws) to `lambda`. Each iteration maps the trial
+  /// impulses of every block of constraint rows (such as the rows of one contact) to impulses that the law of
+  /// the block allows. If `on_laws`, this map is resolve(): impulses λ and velocities u obey the exact law if
+  /// and only if λ = resolve(λ - u/R), for any R > 0. Otherwise it is the projection on the friction cone,
+  /// and the tangential speed is added to the normal velocity of each contact (De Saxcé's form of the law).
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;
   double largest_eigenvalue() noexcept;
