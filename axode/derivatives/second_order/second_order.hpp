@@ -4,12 +4,12 @@
 
 namespace axode {
 
-/// Quantities of a body with the inertia M and the Coriolis inertia B, for the twist Λ that it would have
-/// if the joints moved with given weights λ as velocities: the wrench A = M Λ, the moment H of the wrench
-/// Bᵀ Λ, which has no force, and the 3 × 3 block D of the Coriolis inertia 2 [[D, 0], [-p~, 0]] that the
-/// body would have with the twist Λ instead of its own. The derivatives of the gradient of λ·τ, with the
-/// forces τ of inverse dynamics, follow from sums of these quantities over subtrees ((D1.21) and (D2.2) of
-/// docs/derivations).
+/// Quantities of a body with the inertia M and the Coriolis inertia B, for the twist Λ that it would have if
+/// the joints moved with given weights λ as velocities: the wrench A = M Λ, the moment H of the wrench Bᵀ Λ,
+/// which has no force, and the 3 × 3 block D of the Coriolis inertia 2 [[D, 0], [-p~, 0]] that the body would
+/// have with the twist Λ instead of its own. In this matrix p is the linear part of A = M Λ, and p~ the
+/// matrix with p~ x = p × x. The derivatives of the gradient of λ·τ, with the forces τ of inverse dynamics,
+/// follow from sums of these quantities over subtrees ((D1.21) and (D2.2) of docs/derivations).
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;
@@ -48,10 +48,14 @@ template <class T> struct ScrewCurvature {
 
   static constexpr int size = 42;  ///< number of numbers of all members, and of a wrench Q due to loads
 
-  /// Computes the screws chi and psi_1 and the wrenches X, Y, Z and AS for a joint screw S. `moved` has
-  /// the inertia, the Coriolis inertia and the wrench of the subtree, and `momentum` has the sums of
-  /// VirtualMomentum over the subtree. V_p is the twist of the predecessor, and Lambda_p the twist that it
-  /// would have if the joints moved with the weights λ as velocities.
+  /// Computes the screws and wrenches (D2.7) that belong to a joint screw S:
+  ///   chi = [Λ_p, S],   psi_1 = [V_p, S],   AS = -ad_Sᵀ A,   Y = M chi + AS,   Z = 2 AS - B_Λ S,
+  ///   X = Bᵀ chi - B_Λ psi_1 - ad_Sᵀ (H; 0) - 2 ad_psi_1ᵀ A.
+  /// V_p is the twist of the predecessor, and Λ_p (`Lambda_p`) the twist that it would have if the joints
+  /// moved with the weights λ of λ·τ as velocities. `moved` has the inertia M and the Coriolis inertia B of
+  /// the subtree. `momentum` has the sums of VirtualMomentum over the subtree: the wrench A, the moment H,
+  /// and the Coriolis inertia B_Λ that the bodies would have if the joints moved with the weights as
+  /// velocities.
   [[gnu::always_inline]] static constexpr ScrewCurvature of(const MovingInertia<T>& moved,
                                                             const VirtualMomentum<T>& momentum,
                                                             const Motion6<T>& S, const Motion6<T>& V_p,
@@ -172,10 +176,11 @@ template <class T> struct SecondOrder {
     Lambda.load(i, x);
     return {Lambda.vector(x, 0), Lambda.vector(x, 4)};
   }
-  /// Computes for each body the matrix K that loads add to the second derivatives of λ·τ (D2.8). For two
-  /// screws X and Y, X | K Y is the sum of -Λ | L(Y) L(X) W over the loads W on the body, where L(X) W is
-  /// the change of a load when its body is displaced along X, see load_change(). Λ is the twist that the
-  /// body would have if the joints moved with the weights λ as velocities.
+  /// Computes for each body the matrix K that loads add to the second derivatives of λ·τ (D2.8). K maps a
+  /// screw Y to a wrench. The power of this wrench K Y on a screw X is minus the sum, over the loads W on the
+  /// body, of the powers of the wrenches L(Y) (L(X) W) on the twist Λ. L(X) W is the change of a load W when
+  /// its body is displaced along X, see load_change(). Λ is the twist that the body would have if the joints
+  /// moved with the weights λ as velocities.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};

@@ -69,7 +69,8 @@ template <class T> struct SecondOrderTensors {
 
  private:
   using Part = typename FirstOrder<T>::Part;
-  /// The last of three joint screws (columns): its index, its velocity, the range of its joint on the path.
+  /// The outermost of three joint screws (columns): its index, its velocity, and the range of the screws of
+  /// its joint on the path.
   struct Last {
     int c;
     std::ptrdiff_t v;
@@ -147,10 +148,11 @@ template <class T> struct SecondOrderTensors {
   }
   /// Computes the products (D2.11) of which the second derivatives of inverse dynamics consist, for three
   /// joint screws on one path to the ground: screw d, whose joint is the farthest from the ground, screw j,
-  /// and each screw c of the path in turn. The products are powers of wrenches, which belong to d and c and
-  /// are stored in `wrench`, on screw j and on its bracket ψ' with the twist of the predecessor. Writes them
-  /// to entry c of the arrays of `line`, see Products. The joint of screw j has the screws from begin_j to
-  /// end_j - 1.
+  /// and each screw c of the path in turn. A product is the power of a wrench on screw S_j or on its bracket
+  /// ψ'_j = [V_p, S_j] with the twist V_p of the predecessor. The wrenches have been stored in `wrench` by
+  /// compute_wrenches(), for d and each screw c: there the wrenches and Coriolis inertias of the subtree of d
+  /// are applied to screw c. Writes the products to entry c of the arrays of `line`, see Products. The joint
+  /// of screw j has the screws from begin_j to end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -178,8 +180,9 @@ template <class T> struct SecondOrderTensors {
         store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
       }
   }
-  /// Adds the products (D2.11) that multiply() has written to `line`, for the joint screws d and j and each
-  /// screw of their path, to the tensors of second derivatives. They contribute to the derivatives of the
+  /// Adds the products (D2.11), powers of wrenches on screws that multiply() has written to `line`, to the
+  /// tensors of second derivatives. The products belong to three joint screws: d, j, and each screw of the
+  /// path from the ground to the joint of d, which also contains j. They contribute to the derivatives of the
   /// force at the velocity of screw d and, if the joint of screw j is nearer to the ground than that of d, of
   /// the force at the velocity of screw j.
   void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
