@@ -19,10 +19,12 @@ using SystemMatrix = Eigen::SparseMatrix<double>;
 struct SystemMatrices {
   SystemMatrix A, D, X;
 };
-/// Computes the matrices A, D and X of V = A X v in representation Rep. Block (i, j) of A is Ad_{C_ij} in the
-/// body-fixed representation, where C_ij is the pose of body j relative to body i. In the hybrid
-/// representation it is Ad_{r_ij}, where r_ij is the vector between the origins of the bodies. In the spatial
-/// representation it is the identity, and X has the joint screws at q.
+/// Computes the matrices A, D and X of V = A X v and A = (I - D)⁻¹ in representation Rep. V has the twists of
+/// all bodies, v the joint velocities, and X the joint screws, which depend on q unless they are body-fixed.
+/// D transforms twists from each predecessor to its body. Block (i, j) of A is Ad_{C_ij} in the body-fixed
+/// representation, where C_ij is the pose of body j relative to body i. In the hybrid representation it is
+/// Ad_{r_ij}, where r_ij is the vector from the origin of body i to that of body j. In the spatial
+/// representation it is the identity.
 template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 

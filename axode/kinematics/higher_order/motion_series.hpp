@@ -107,9 +107,10 @@ template <class T> class PoseSeries {
   const SO3<T>& axes(int k) const { return R_[k]; }
   const Vec3<T>& origin(int k) const { return r_[k]; }
 
-  /// Coefficient k of the power series in time X of a spatial screw (w; v), converted to the representation
-  /// Rep at a place with the position r. The hybrid screw is (w; v + w × r); both parts of the body-fixed and
-  /// the angular part of the mixed screw are in the axes of the place.
+  /// Converts a spatial screw (w; v), given by the coefficients X of its power series in time, to the
+  /// representation Rep at the place with the pose (R, r), and returns coefficient k of the result. The
+  /// hybrid screw is (w; v + w × r), the body-fixed screw (Rᵀ w; Rᵀ (v + w × r)), and the mixed screw (Rᵀ w;
+  /// v + w × r). In these formulas w, v, R and r are power series.
   template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {
     if constexpr (std::same_as<Rep, Spatial>) {
       return X[k];

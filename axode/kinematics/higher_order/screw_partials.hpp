@@ -164,9 +164,10 @@ template <class Rep, class T> class ScrewPartials {
 ///
 ///   D_S J_c = Σ_{A ⊆ S∖s} [D_A W_i(u_s), D_{S∖s∖A} J_c],  s the lowest index in S.
 ///
-/// Sets that differ only within a run of equal consecutive directions have the same derivatives. A part S
-/// therefore counts how often each run occurs, and the sum over sets becomes a sum over parts with the
-/// numbers of these sets, products of binomial coefficients, as weights.
+/// A run consists of consecutive directions that are equal. Sets with the same number of members in each run
+/// have the same derivatives. Therefore all such sets are represented by one part, which has only these
+/// numbers. The sum over sets becomes a sum over parts, weighted with the number of sets that a part
+/// represents, a product of binomial coefficients.
 template <class T> class DirectionalDerivatives {
  public:
   /// Computes the derivatives of all screws. Throws std::invalid_argument if no memory can hold them.
@@ -216,7 +217,9 @@ template <class T> class DirectionalDerivatives {
   }
 
  private:
-  /// Equal consecutive directions u (nv numbers). A part S contains S / stride % (length + 1) of them.
+  /// A run of `length` equal consecutive directions u (nv numbers). A part, which has the number of
+  /// directions that a set contains of each run, is written as one index S; the number for this run is S /
+  /// stride % (length + 1).
   struct Run {
     const T* u;
     std::size_t length, stride;
@@ -226,13 +229,15 @@ template <class T> class DirectionalDerivatives {
   std::size_t count(std::size_t run, std::size_t S) const {
     return S / runs_[run].stride % (runs_[run].length + 1);
   }
-  /// The first run that occurs in S, which is not empty.
+  /// The first run of which the part S contains a direction. S must contain at least one.
   std::size_t lowest(std::size_t S) const {
     std::size_t s = 0;
     while (count(s, S) == 0) ++s;
     return s;
   }
-  /// Calls f(A, weight) for all parts A of S, with the number of sets that A stands for.
+  /// Calls f(A, weight) for all parts A of a part S. A part contains a number of directions from each run of
+  /// equal directions, and those of A are not more than those of S. `weight` is the number of ways to choose
+  /// the directions of A from those of S.
   template <class F> void each_part(std::size_t S, const F& f) const { each_part(S, runs_.size(), 0, 1, f); }
   template <class F>
   void each_part(std::size_t S, std::size_t runs, std::size_t A, double weight, const F& f) const {
@@ -249,9 +254,11 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Computes the derivatives of the screws begin to end - 1, all of one joint, along all parts. W_ has the
-  /// twist W(u_s) for the joint velocities of each direction u_s, and the derivatives of this twist. Before
-  /// the call it is the twist of the predecessor of the joint's body, and after the call that of this body.
+  /// Computes the derivatives of the joint screws begin to end - 1 of the path, which belong to one joint,
+  /// along all sets of the given directions u_s; sets with the same derivatives are computed once. W_ has the
+  /// twist W(u_s) of a body for the joint velocities of each direction u_s, and the derivatives of this twist
+  /// along these sets. Before the call the body is the predecessor of the joint's body, and after the call
+  /// the joint's body.
   void body(std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) J_[c * parts_] = path_.screws[c].spatial;
     for (std::size_t S = 0; S < parts_; ++S) {
