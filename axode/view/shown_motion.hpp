@@ -52,8 +52,9 @@ struct MotionNumbers {
   /// accelerations are not known, if the model has loops whose constraint forces cannot be computed or whose
   /// drive forces are not known, or if there are contacts of shapes that the model lacks.
   std::vector<double> twists, wrenches, momenta;
-  /// Wrenches (spatial) of the loop joints on their second bodies: six numbers for each time and loop joint.
-  /// Empty if the model has no loop joints, or if the wrenches of the joints are not known either.
+  /// Wrenches (spatial) that the loop joints exert on their second bodies: six numbers for each time and loop
+  /// joint. Empty if the model has no loop joints, or if `wrenches` is empty because the wrenches of the
+  /// joints of the tree cannot be computed.
   std::vector<double> loop_wrenches;
   /// load_frames are the frames on which loads act, and `loads` has the sum of the loads on each of them as a
   /// spatial wrench: six numbers for each time and frame.

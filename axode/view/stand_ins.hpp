@@ -34,8 +34,9 @@ struct StandIn {
 /// itself get a mount.
 ///
 /// Joints are drawn by kind, in the colour of drives unless the joint is passive. The bodies of a planar
-/// mechanism lie above each other. A body that slides and whose joint has no point is on a rail. Poses are in
-/// the body frames.
+/// mechanism are drawn in layers along the normal of its plane. If the description gives only the direction
+/// of a prismatic joint and no point, a rail is drawn along which the body slides. Poses are in the body
+/// frames.
 std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& with_shapes);
 
 }  // namespace axode::view
