@@ -117,15 +117,15 @@ class States {
     });
   }
 
-  /// Throws an error if some states failed: SingularError or NotFiniteError, which contain the result.
-  /// `found` says for each state whether and why it failed, and may be empty. States with results that are
-  /// not finite have failed too, by default for the reason `otherwise`. The NaN of an operational-space
-  /// inertia that does not exist is not a failure.
+  /// Throws SingularError or NotFiniteError if some states failed. The error contains `result`, the array
+  /// with the results of all states of the call. `found` says for each state whether and why it failed, and
+  /// may be empty. States with results that are not finite have failed too, by default for the reason
+  /// `otherwise`. The NaN of an operational-space inertia that does not exist is not a failure.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
   /// Throws an error of the type `error` of axode.errors. `refused` are the indices of the states that could
   /// not be computed, and `sentence` says why the first of them could not; the message has its index if there
-  /// are several states. The error contains the result.
+  /// are several states. The error contains `result`, the array with the results of all states of the call.
   [[noreturn]] void raise(const char* error, const std::string& sentence,
                           const std::vector<std::size_t>& refused, NewArray& result) const;
 
