@@ -154,8 +154,8 @@ void read_contacts(const Json& json, const std::string& file, ShownMotion& motio
   }
 }
 
-/// Reads the names of the loaded frames in the JSON that `axode simulate` writes, as a table of their
-/// numbers.
+/// Reads `load_frames` in the JSON that `axode simulate` writes: the names of the frames on which loads act.
+/// out["load_frames"] receives the indices of these frames in the model, one in each row.
 void read_load_frames(const Model& model, const Json& json, const std::string& file, Tables& out) {
   if (!json.contains("load_frames")) return;
   Rows& frames = out["load_frames"] = {0, 1, {}};

@@ -21,8 +21,9 @@ inline Strictness strictness(bool strict) { return strict ? Strictness::strict :
 Model from_dict(const nb::dict& drawing, Base base, Strictness strictness, const std::string& file = "",
                 const std::vector<Fault>& warnings = {});
 nb::dict to_dict(const Model& model);
-/// A joint from a dict with the keys of a joint in the drawing format. Axis and point are given in the frame
-/// to which it is attached. None stands for a fixed joint.
+/// A joint by which a mechanism is mounted on a frame of another one, from a dict with the keys of a joint in
+/// the drawing format. The axis and the point of the joint are given in this frame. None stands for a fixed
+/// joint.
 JointDescription joint_of(nb::handle joint);
 
 }  // namespace axode::python
