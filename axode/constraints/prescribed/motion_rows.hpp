@@ -30,14 +30,15 @@ class MotionRows {
   /// joint is prescribed, a coupling is added that has this joint as its only term.
   const Model& model() const { return model_; }
 
-  /// The loop equations of model() that impose the prescribed motions, with their right sides at time t
-  /// (s). They are valid until the next call.
+  /// The loop equations that impose the prescribed motions in the mechanism that model() returns, with their
+  /// right sides at time t (s). They are valid until the next call.
   std::span<const PrescribedRow<double>> at(double t);
-  /// Sets the right sides of the loop equations that impose the prescribed motions, in a system of
-  /// model(), to their values at time t (s).
+  /// Sets the right sides of the loop equations that impose the prescribed motions to their values at time t
+  /// (s). `system` must belong to the mechanism that model() returns, in which every prescribed motion is a
+  /// loop equation.
   void impose(double t, LoopSystem<double>& system) { system.prescribe(at(t)); }
-  /// Sets the right sides of the loop equations that impose the prescribed motions to 0, so that the
-  /// system computes responses to forces.
+  /// Sets the right sides of the loop equations that impose the prescribed motions to 0, so that `system`
+  /// computes responses to forces.
   void release(LoopSystem<double>& system) const { system.prescribe({}); }
 
   /// The first time after t at which a derivative of a prescribed motion jumps; infinite if there is none.
