@@ -43,9 +43,10 @@ class DriveSystem {
  public:
   using Span = std::span<const double>;
 
-  /// Takes the drives of the description of the model, followed by `more`. Throws std::invalid_argument for a
-  /// joint that does not exist or does not have one velocity, and for a drive of `more` without law or
-  /// joints, or with a factor that is 0 or not finite.
+  /// Takes the drives of the description of the model, followed by those in `more`. A drive in `more` acts
+  /// along a sum of joint coordinates, each multiplied by a factor. Throws std::invalid_argument for a drive
+  /// in `more` without a law or without joints, for a joint that does not exist or does not have one
+  /// velocity, and for a factor that is 0 or not finite.
   explicit DriveSystem(const Model& model, std::span<const AddedDrive> more = {});
 
   bool empty() const { return drives_.empty(); }
@@ -63,7 +64,8 @@ class DriveSystem {
   /// initial states x (nx() numbers), and chooses the statuses, the integers that say which form of each
   /// drive's law holds.
   void start(double t, Span q, Span v, std::span<double> x);
-  /// Sets the inputs to their values just after time t, and chooses the statuses for the state (q, v, x).
+  /// Sets the inputs to their values just after time t. Chooses the statuses, the integers that say which
+  /// form of each drive's law holds, for the state (q, v, x).
   void set_state(double t, Span q, Span v, Span x);
 
   /// Evaluates all laws at time t and state (q, v, x): adds the drive forces to tau (nv numbers), and writes
@@ -72,9 +74,10 @@ class DriveSystem {
   /// Adds to tau the last forces of drives along lines between two points, which evaluate() also adds.
   void add_line_forces(std::span<double> tau) const;
   DriveEnergy energy(double t, Span q, Span v, Span x);
-  /// Computes the derivatives of the drive forces and of the rates x' of the drive states, at constant
-  /// statuses: the integers that say which form of each drive's law holds do not change. Allocates memory
-  /// only in the first call and for an `out` that has not been used before.
+  /// Computes the derivatives of the drive forces and of the rates x' of the drive states by q, v, x and
+  /// those inputs that are functions of time. The statuses, the integers that say which form of each drive's
+  /// law holds, are taken as constant. Allocates memory only in the first call and for an `out` that has not
+  /// been used before.
   void derivatives(double t, Span q, Span v, Span x, DriveDerivatives& out);
   DriveDerivatives derivatives(double t, Span q, Span v, Span x) {
     DriveDerivatives out;
@@ -86,17 +89,21 @@ class DriveSystem {
 
   /// The first time after t at which an input or one of its derivatives jumps; infinite if there is none.
   double next_jump(double t) const;
-  /// The least margin of all statuses, negative when a status must change; infinite without statuses.
+  /// The least margin of the statuses of all drives; infinite if there are none. A status is an integer that
+  /// says which form of a drive's law holds; it must change when its margin becomes negative.
   double least_margin(double t, Span q, Span v, Span x);
-  /// Computes the derivatives of the least margin; there must be statuses. Allocates.
+  /// Computes the derivatives of least_margin(), the least margin of the statuses of all drives. At least one
+  /// drive must have a status. Allocates.
   MarginDerivatives margin_derivatives(double t, Span q, Span v, Span x);
   /// Applies the discontinuous changes of the drives at time t and state (q, v, x). Inputs that jump at t
   /// take their values after the jump. A status, the integer that says which form of a drive's law holds,
   /// changes if its margin is negative; states in x may jump then. Returns whether an input or a status has
   /// changed.
   bool switch_at(double t, Span q, Span v, std::span<double> x);
-  /// The discrete state of the drives, which switch_at() changes: statuses and the present intervals of
-  /// inputs. discrete() writes it to `out`, and set_discrete() restores it.
+  /// The discrete state of the drives, which switch_at() changes. For each drive it has the index of the time
+  /// interval in which its input is constant at present (0 unless the input is piecewise constant), and the
+  /// statuses, the integers that say which form of the drive's law holds. discrete() writes it to `out`, and
+  /// set_discrete() restores it.
   void discrete(std::vector<std::size_t>& out) const;
   void set_discrete(std::span<const std::size_t> from);
 
