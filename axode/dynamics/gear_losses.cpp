@@ -78,11 +78,13 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Sets the friction forces and the data of the problem with which the search for the friction forces starts,
-/// and whose solution is known. In this problem, joints at rest stick without a friction force. In moving
-/// joints the drive drives the gear, and the friction force is the loss of the gear. The forces that the
-/// gears transmit differ from joint to joint: otherwise, in a symmetric mechanism, the path from this problem
-/// to the given one would cross the limits of several linear pieces of the equations at once.
+/// Sets the friction forces and the data of the problem at which the continuation method for friction forces
+/// starts. The friction laws are linear in pieces. The method moves the data of the equations along a
+/// straight line from a start problem with a known solution to the given problem, and follows the solution
+/// from piece to piece. In the start problem, joints at rest stick without a friction force. In moving joints
+/// the drive drives the gear, and the friction force is the loss of the gear. The forces that the gears
+/// transmit are chosen different from joint to joint: with equal forces, the solution in a symmetric
+/// mechanism would leave the pieces of several joints at once.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);

@@ -21,8 +21,10 @@
 /// forces of bushings jump at half a turn.
 namespace axode {
 
-/// The generalised forces τ (nv; N m or N) of all springs, dampers and end stops. O(n) for those on joints,
-/// and O(depth) for each spring element and each segment of its path.
+/// The generalised forces τ (nv; N m or N) of all springs, dampers and end stops. Springs, dampers and stops
+/// of joints cost O(n) in total. A spring element costs O(d), for each straight segment if it acts along a
+/// path of points, with d joints in its sum of joints or between the ground and the points or frames on which
+/// it acts.
 template <class T>
 void spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                    std::type_identity_t<std::span<T>> tau);
@@ -37,7 +39,9 @@ template <class T> T elastic_energy(const Model& model, Workspace<T>& workspace,
 
 /// Returns the coordinate x (m or rad) of spring element k of the model and, unless `gradient` is empty,
 /// ∂x/∂q (nv entries), the negative moment arms of the tension. Throws std::invalid_argument for a bushing,
-/// which has no coordinate, and for a k that is not the index of a spring element. O(depth) for each segment.
+/// which has no coordinate, and for a k that is not the index of a spring element. Costs O(d), for each
+/// straight segment if the element acts along a path of points, with d joints in its sum of joints or between
+/// the ground and the points or frames on which it acts.
 template <class T>
 T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<T> q,
                     std::type_identity_t<std::span<T>> gradient = {});
