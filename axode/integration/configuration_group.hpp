@@ -80,9 +80,9 @@ template <class T, class S = T> class ConfigurationGroup {
     const auto x = joint.project(Wrench<BodyFixed, T>{X.w, X.v});
     for (int k = 0; k < joint.nv; ++k) out[k] = x[static_cast<std::size_t>(k)];
   }
-  /// Applies a map of screws joint by joint: for every joint of several velocities with the screws S, `out`
-  /// receives the z with S z = f(S x, S y). For a joint of one velocity it receives the entry of `plain`, or
-  /// 0 if `plain` is null.
+  /// Applies a map f of screws joint by joint. For every joint of several velocities, let S be its unit
+  /// screws and x, y the entries for its velocities: `out` receives the z with S z = f(S x, S y). For a joint
+  /// of one velocity `out` receives the entry of `plain`, or 0 if `plain` is null.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
@@ -94,11 +94,11 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// Applies a map of momenta joint by joint. For every joint of several velocities with the screws S, the
-  /// entries x for its velocities and the momenta p, `out` receives f(S x, p), where f takes and returns
-  /// momenta whose angular and linear parts are exchanged. With exchanged parts, the transpose of Ad_{exp X},
-  /// ad_X or dexp_X is the same map of screws with -X instead of X. For a joint of one velocity `out`
-  /// receives the entry of `plain`, or 0 if `plain` is null.
+  /// Applies a map f of momenta joint by joint. For every joint of several velocities, let S be its unit
+  /// screws, x the entries for its velocities and p those of its momenta. `out` receives Sᵀ E f(S x, E S p),
+  /// where E exchanges the angular and the linear part of six numbers. With exchanged parts, the transpose of
+  /// Ad_{exp X}, ad_X or dexp_X is the same map of screws with -X instead of X. For a joint of one velocity
+  /// `out` receives the entry of `plain`, or 0 if `plain` is null.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

@@ -36,31 +36,33 @@ struct [[nodiscard]] ContactSensitivity {
 /// Numbers for the parameters of a mechanism with n shapes and b bodies, such as changes of the parameters or
 /// gradients of an objective by them. Each span may be empty.
 template <class T> struct ContactParameters {
-  /// The surfaces of the shapes, 3 n numbers: n for the coefficients of friction, n for the restitution, and
-  /// n for the thickness of a layer on each shape (m). A change of this thickness moves the surface of the
-  /// shape outwards, like a change of the radius of a sphere or capsule, or of the height of a plane.
+  /// The surfaces of the n shapes, 3 n numbers: n for the coefficients of friction, n for the restitution,
+  /// and n for the thickness of a layer on each shape (m). A change of this thickness moves the surface of
+  /// the shape outwards, like a change of the radius of a sphere or capsule, or of the height of a plane.
   /// Derivatives by the friction of a pair of shapes without friction, which do not exist, are given as 0.
   std::span<T> surfaces = {};
-  /// The placement of the shapes, 6 n numbers: six numbers π_u for each shape, which displace it on its body
-  /// (rad and m) along the unit screws U_u of its own frame, angular before linear. The pose P of the shape
-  /// becomes P exp(Σ π_u U_u).
+  /// The placement of the n shapes on their bodies, 6 n numbers: six numbers π_u for each shape, which
+  /// displace it on its body (rad and m) along the unit screws U_u of its own frame, angular before linear.
+  /// The pose P of the shape becomes P exp(Σ π_u U_u).
   std::span<T> placement = {};
-  /// The inertia of the bodies, 10 b numbers: the inertial parameters of each body, see
+  /// The inertia of the b moving bodies, 10 b numbers: the inertial parameters of each body, see
   /// inertial_parameters.hpp (kg, kg m, kg m²).
   std::span<T> inertia = {};
-  /// The geometry of the tree, 6 b numbers: the geometric parameters of each body, which displace its subtree
-  /// along six unit screws, see geometry_derivatives.hpp (rad and m). For models with loops or with springs
-  /// between frames the span must be empty, or std::invalid_argument is thrown.
+  /// Changes of the geometric parameters of the tree, or derivatives by them: 6 b numbers for b moving
+  /// bodies. The six parameters of a body displace the body with its subtree along six unit screws, angular
+  /// before linear (rad and m), see geometry_derivatives.hpp. For models with loops or with springs between
+  /// frames the span must be empty, or std::invalid_argument is thrown.
   std::span<T> geometry = {};
 };
 
 /// Receives the states of a motion of K steps, K + 1 rows of nq and of nv numbers, and for each step, row by
 /// row, the derivatives of the state at its end: A (2nv × 2nv) by the state at its start, B (2nv × nv) by the
-/// drive forces τ, and C (2nv × 3 n for n shapes, or empty) by the friction, the restitution and the layers
-/// of the shapes, in the order of ContactParameters::surfaces. `by` has the derivatives by the other
-/// parameters, for each kind K times 2nv rows with a column for each parameter; by.surfaces must be empty.
-/// The first nv rows, and columns of A, are those of q, and the last nv those of v. The spans must not
-/// overlap.
+/// drive forces τ, and C (2nv × 3 n for n shapes, or empty) by three numbers for each shape: friction,
+/// restitution, and the thickness of a layer by which the surface moves outwards. The columns of C are in the
+/// order of ContactParameters::surfaces. `by` has the derivatives by the other parameters (placement of the
+/// shapes, inertia of the bodies, geometry of the tree), for each kind K times 2nv rows with a column for
+/// each parameter; by.surfaces must be empty. The first nv rows, and columns of A, are those of q, and the
+/// last nv those of v. The spans must not overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B, C = {};
   ContactParameters<double> by = {};
@@ -76,8 +78,10 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
 
 /// Computes the displacements of all states of a motion of K steps with contact, under K rows of nv drive
 /// forces, if its start q is displaced by dq, its initial velocity by dv, the forces by dtau (K nv numbers),
-/// and the surfaces, placement, inertia and geometry of the mechanism by the numbers in `parameters`. dq_out
-/// and dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv. Allocates.
+/// and the parameters of the mechanism by the numbers in `parameters`: friction, restitution and layer
+/// thickness of the collision shapes, placement of the shapes on their bodies, inertia of the bodies, and
+/// geometry of the tree. dq_out and dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv.
+/// Allocates.
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> dq,
@@ -86,11 +90,13 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        const Monitor& monitor = {},
                                        const ContactParameters<const double>& parameters = {});
 
-/// Backward differentiation of a motion of K steps with contact: from the gradients w_q and w_v of an
+/// Backward differentiation of a motion of K steps with contact. From the gradients w_q and w_v of an
 /// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes the gradients of the
-/// objective by the initial state and the drive forces. by_parameters receives the gradients by the surfaces,
-/// placement, inertia and geometry of the mechanism, as far as its spans are not empty; gradient.geometry
-/// must be empty. Stores 2 K nv (3 nv + p) numbers for p parameters. Allocates.
+/// objective by the other quantities: `gradient` receives those by the initial q and v and by the drive
+/// forces. Each span of `by_parameters` that is not empty receives those by the parameters of its kind:
+/// surfaces and placement of the collision shapes, inertia of the bodies, or geometry of the tree. Only
+/// by_parameters receives gradients by the geometry, so gradient.geometry must be empty. Stores 2 K nv (3 nv
+/// + p) numbers for p parameters. Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

@@ -87,7 +87,8 @@ class DryFriction {
 
   /// Stops joints. The velocity of a joint becomes 0 if the joint sticks, or if it slides and its velocity is
   /// 0, has reversed, or will be 0 within the time `within` (s) at the accelerations a. A sliding joint that
-  /// is stopped and decelerates sticks from now on. Returns whether a joint began to stick.
+  /// is stopped begins to stick if its acceleration is opposite to the direction in which it slid. Returns
+  /// whether a joint began to stick.
   bool stop_sliding(std::span<double> v, Span a, double within);
   /// Lets sticking joints slide if their accelerations a under friction are not 0, in their direction.
   void start_sliding(Span a);
@@ -103,9 +104,10 @@ class DryFriction {
     double slope = 0;   ///< derivative of the loss of a moving gear by the force that it transmits
 
     /// Computes the member `margin`, bound - |force| + (2 tolerance - |a|)/own, which is positive while
-    /// friction holds the joint. `bound` is the limit of the friction force, and `own` the acceleration of
-    /// the joint by a unit force. a is the acceleration of the joint under the present friction force; the
-    /// joint counts as sliding if |a| is above `tolerance`.
+    /// friction holds the joint. `force` is the present friction force, `bound` its limit, a the acceleration
+    /// of the joint under this force, and `own` the acceleration of the joint by a unit force. |a| counts as
+    /// 0 up to `tolerance`. The margin has twice the tolerance in it so that it is clearly positive for every
+    /// such a, even if the force is at its limit.
     void set_margin(double bound, double a, double tolerance, double own) {
       margin = bound - std::abs(force) + (2 * tolerance - std::abs(a)) / own;
     }

@@ -13,9 +13,11 @@
 #include "axode/lie/twist.hpp"
 
 /// Kinematic reconstruction: computes the motion C(t) of a body from its twist by C' = C V^b or C' = V^s C
-/// (eq. Vbs). The function twist(t) gives the body-fixed or the spatial twist at time t. The results are the
-/// poses at all given times, beginning with C0, and one step leads from each time to the next. Throws
-/// std::invalid_argument if times do not increase or are not finite, and for a faulty tableau.
+/// (eq. Vbs), with Runge-Kutta-Munthe-Kaas methods or Magnus' series. The function twist(t) gives the
+/// body-fixed or the spatial twist at time t. The results are the poses at all given times, beginning with
+/// C0, and one step leads from each time to the next. Throws std::invalid_argument if times do not increase
+/// or are not finite, and if the coefficients of the Runge-Kutta method (its Butcher tableau) are
+/// inconsistent.
 namespace axode {
 
 /// Twists that are the left or right logarithmic derivative of a pose.

@@ -74,7 +74,7 @@ struct SimulationOptions {
 /// one stage, Euler's, is semi-implicit: q moves with the new v. If accelerations cannot be computed or are
 /// not finite, the trajectory ends early and contains the reason. Throws std::invalid_argument for a wrong
 /// size, a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for
-/// a faulty tableau.
+/// inconsistent coefficients of the Runge-Kutta method (its Butcher tableau).
 Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, const Tableau& method = runge_kutta(4),
                           const SimulationOptions& options = {});
@@ -88,9 +88,10 @@ Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::sp
 ///
 /// In relative coordinates `stabilized` must be true. In absolute coordinates joints and loops are imposed on
 /// positions (index 3) or, if `stabilized` is true, on positions and velocities (index 2, after Gear, Gupta
-/// and Leimkuhler); rolling contacts are imposed on velocities. Newton's matrix then has derivatives of
-/// springs, dampers and drives only for each joint force by the coordinate and velocity of the same joint;
-/// stiff springs that connect several joints may need short steps.
+/// and Leimkuhler); rolling contacts are imposed on velocities. In absolute coordinates, whether stabilised
+/// or not, Newton's matrix contains from the forces of springs, dampers and drives only the derivative of
+/// each joint force by the coordinate and velocity of the same joint. Stiff springs that connect several
+/// joints may then need short steps.
 Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, double spectral_radius = 0.8,
                           const SimulationOptions& options = {}, bool stabilized = true);
@@ -107,10 +108,11 @@ Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::s
 
 /// Integrates in absolute coordinates, which the options must ask for, by the half-explicit method of third
 /// order (Brasey, Hairer) in the form of Munthe-Kaas. Joints and loops are satisfied to rounding in
-/// velocities, and positions are projected onto them at the end of each step. With Coordinates::absolute, the
-/// poses of a body that a joint connects to the ground satisfy this joint to rounding even without the
-/// projection. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number
-/// that is not finite, until < 0 or step <= 0, and for relative coordinates.
+/// velocities, and positions are projected onto them at the end of each step. If the pose of a body is
+/// integrated in SE(3) (Coordinates::absolute and absolute_by_joint, but not absolute_SO3xR3), a joint
+/// between this body and the ground is satisfied to rounding even without the projection. Throws
+/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
+/// finite, until < 0 or step <= 0, and for relative coordinates.
 Trajectory simulate_half_explicit(const Model& model, std::span<const double> q, std::span<const double> v,
                                   double until, double step, const SimulationOptions& options = {});
 
