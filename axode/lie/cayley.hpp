@@ -110,13 +110,15 @@ template <class T> constexpr Screw<T> dcay_transpose(const Screw<T>& X, const Sc
 /// The pose C with Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2) (D14.8). For X = (w; v) its rotation is cay_SO3(w) and
 /// its position dcay_w v, like exp_SO3(w) and dexp_w v of exp(X).
 template <class T> constexpr SE3<T> cay_of_ad(const Screw<T>& X) { return {cay_SO3(X.w), dcay(X.w, X.v)}; }
-/// The X with cay_of_ad(X) = C. It is infinite or not a number for half a turn.
+/// The inverse of cay_of_ad(): the X with Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2). It is infinite or not a number
+/// for half a turn.
 template <class T> constexpr Screw<T> cay_of_ad_inv(const SE3<T>& C) {
   const Vec3<T> w = cay_inv_SO3(C.R);
   return {w, dcay_inv(w, C.r)};
 }
-/// The right-trivialised differential of cay_of_ad() at X, applied to Z. As a 6×6 matrix it has dcay of SO(3)
-/// in its diagonal blocks; its lower left block is the derivative of dcay along the linear part of X.
+/// The right-trivialised differential at X, applied to Z, of the map cay_of_ad() from X to the pose C with
+/// Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2). As a 6×6 matrix it has dcay of SO(3) in its diagonal blocks; its lower
+/// left block is the derivative of dcay along the linear part of X.
 template <class T> constexpr Screw<T> dcay_of_ad(const Screw<T>& X, const Screw<T>& Z) {
   return {dcay(X.w, Z.w), dcay(X.w, Z.v) + ddcay(X.w, X.v, Z.w)};
 }
