@@ -254,12 +254,14 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
     return true;
   }
-  /// Sets the forces u_tie on the ties to 0 before a backward sweep.
+  /// Sets the forces u_tie on the velocities that coupled joints share (ties) to 0 before a backward sweep.
   template <class AnyTree> void clear_ties(const AnyTree& tree) noexcept {
     for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
   }
-  /// When the shared velocity of coupled joints (a tie) is eliminated at body i: before the screws of joint
-  /// i; after them, if joint i is one of the joints that share the velocity; or later, at a predecessor.
+  /// The time at which a velocity that coupled joints share (a tie) is eliminated, as seen from body i.
+  /// `before`: at body i, before the screws of joint i, which does not share the velocity. `after`: at body
+  /// i, after the screws of joint i, which shares the velocity. `later`: not at body i but at a body nearer
+  /// to the ground, where the paths of the coupled joints meet.
   enum Turn { before, after, later };
   static Turn turn(const Topology::Ties& ties, int i, int t) {
     return ties.up[t] >= 0 ? later : t == ties.own[i] ? after : before;
@@ -268,29 +270,32 @@ template <class Rep, class T> struct ArticulatedBodies {
   static bool own_tie_ends(const Topology::Ties& ties, int i) {
     return ties.own[i] >= 0 && ties.up[ties.own[i]] < 0;
   }
-  /// Whether tie o of body i is eliminated after tie t of this body.
+  /// Whether tie o of body i is eliminated after tie t of this body. A tie is a velocity that coupled joints
+  /// share.
   static bool waits(const Topology::Ties& ties, int i, int o, int t) {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The inertias that couple joint screw s of body i with the ties of this body: the entries of the mass
-  /// matrix that remain for them in the elimination. A tie is a velocity that several coupled joints share
-  /// and that the elimination carries through the body. Entry t of the returned pointer belongs to tie t.
+  /// The inertias that couple joint screw s of body i with the ties of this body: entries of the mass matrix
+  /// after the elimination of the velocities that come earlier in its order. A tie is a velocity that several
+  /// coupled joints share, at a body on the paths from these joints to the body where the paths meet. Entry t
+  /// of the returned pointer belongs to tie t.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// The inertias that couple tie t with the ties of the same body: the row of the mass matrix that remains
-  /// for them in the elimination. A tie is a pair of a velocity that several coupled joints share and a body
-  /// through which the elimination carries this velocity. Entry o of the returned pointer belongs to tie o.
-  /// There are entries only for ties in the group of t; Topology::Ties divides the ties of a body into groups
-  /// that the elimination does not couple with each other.
+  /// The inertias that couple tie t with the ties of the same body: the row of tie t in the mass matrix that
+  /// is left after the elimination of earlier velocities. A tie is a velocity that several coupled joints
+  /// share, at a body on the paths from these joints to the body where the paths meet. Entry o of the
+  /// returned pointer belongs to tie o. There are entries only for ties in the group of t; Topology::Ties
+  /// divides the ties of a body into groups that the elimination does not couple with each other.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
-  /// Adds screw s of body i, whose joint is coupled, to the column of the velocity that it shares (its tie).
+  /// Adds screw s of body i, whose joint is coupled, to the column of the articulated inertia for the
+  /// velocity that the joint shares with others (its tie).
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
     const int own = ties.own[i];
@@ -308,10 +313,11 @@ template <class Rep, class T> struct ArticulatedBodies {
     U_tie[own] += MS;
     scale_tie[own] += F[i] * S[s] | S[s];
   }
-  /// Eliminates the velocity of screw S = S[s] of body i from its articulated inertia M, and from the columns
-  /// by which velocities that coupled joints share (ties) extend M. F has the magnitudes of the numbers from
-  /// which M was computed, against which rounding errors are compared; G is F S, and `size` is the magnitude
-  /// of the numbers from which the pivot D was computed.
+  /// Eliminates the velocity of screw S = S[s] of body i: changes the articulated inertia M of the body, and
+  /// the ties of the body. A tie is an additional column of M for a velocity that several coupled joints
+  /// share and that is eliminated nearer to the ground. F has the magnitudes of the numbers from which M was
+  /// computed, against which rounding errors are compared; G is F S, and `size` is the magnitude of the
+  /// numbers from which the pivot D was computed.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -330,7 +336,8 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (ties.up[o] >= 0) row(ties, t)[o] -= k * D_s[o];
     }
   }
-  /// Eliminates the shared velocity of tie t at body i, where the paths of its joints meet.
+  /// Eliminates tie t, a velocity that several coupled joints share, at body i, where the paths of these
+  /// joints to the ground meet.
   template <class AnyTree, class Check>
   void eliminate_tie(const AnyTree& tree, int i, int t, const T* armature, Check& check) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -350,9 +357,10 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
-  /// A velocity that several coupled joints share (a tie) extends the articulated inertia of a body by a
-  /// column: its wrench and its forces on the other ties for a unit of the velocity. This function adds the
-  /// columns of body i to those of its predecessor, except for velocities that are eliminated at body i.
+  /// Adds the ties of body i to those of its predecessor, except for velocities that are eliminated at body
+  /// i. A tie is an additional column of the articulated inertia of a body, for a velocity that several
+  /// coupled joints share. It has the wrench on the body for a unit rate of this velocity, and the forces
+  /// that couple the velocity with the other ties of the body.
   template <class AnyTree> void pass_ties_to_parent(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
