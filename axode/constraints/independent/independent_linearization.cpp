@@ -18,8 +18,9 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using RowByRow = LoopSystem<double>::RowByRow;
 
-/// Computes the derivative of A v by q (m × nv) for the m loop equations A v = 0. It equals the derivative of
-/// A a + γ by q if the accelerations a are the given v and the velocities are 0, because γ is then 0.
+/// Computes the derivative of A v by q (m × nv) for constant velocities v (nv), where A is the Jacobian of
+/// the m loop equations A v = 0. LoopSystem differentiates A a + A' v for accelerations a and velocities. It
+/// is given v as accelerations and 0 as velocities, so that only A v remains.
 RowByRow velocity_rows_by_q(LoopSystem<double>& system, std::span<const double> q,
                             std::span<const double> v) {
   const Eigen::Index nv = system.model().nv(), m = system.model().loops().rows;

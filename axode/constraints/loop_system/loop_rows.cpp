@@ -20,12 +20,13 @@ namespace {
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
-/// A row needs no filter if its pivot is larger than this part of d², where d is the size of the row.
+/// A loop equation needs no filter if its pivot in the Cholesky factorisation of A M⁻¹ Aᵀ is larger than this
+/// part of d², where d is the size of the equation, see LoopSystem::scale().
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
-/// A loop equation consists of rounding errors if the square root of its diagonal entry of A M⁻¹ Aᵀ is less
-/// than this part of its size (D7.7). A is the Jacobian of the loop equations, and M the mass matrix. The
-/// size is this root too, but not less than a limit that follows from the other equations and from the terms
-/// whose sum the equation is. Such an equation is replaced by zeros, and its multiplier is then 0.
+/// A loop equation consists of rounding errors if g is less than this part of max(g, b) (D7.7). Here g is the
+/// square root of the equation's diagonal entry of A M⁻¹ Aᵀ, with the Jacobian A of the loop equations and
+/// the mass matrix M. The bound b follows from the other equations and from the terms whose sum the equation
+/// is. Such an equation is replaced by zeros, and its multiplier is then 0.
 template <class T> constexpr T vanishing_part = is_float<T> ? T(1e-4) : T(1e-9);
 constexpr float size_of_a_row_of_zeros = 1e15f;
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);

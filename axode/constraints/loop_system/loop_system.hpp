@@ -78,8 +78,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// matrix M and bias forces h, and updates the kinematics and the motion of the bodies.
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
   /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
-  /// matrix M and bias forces h, and the Jacobian of the loop equations, by a fast kernel. The forces are
-  /// valid until the next call. The motion of the bodies, from which joint_wrenches() and differentiate()
+  /// matrix M and bias forces h, and the Jacobian of the loop equations, by a fast algorithm. The forces
+  /// are valid until the next call. The motion of the bodies, from which joint_wrenches() and differentiate()
   /// compute their results, is not updated.
   std::span<T> force_fast(const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept;
   /// Computes the residual (A v)' - s'' of the loop equations A v = s' (a number for each equation), where s'
@@ -139,8 +139,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
-  /// times() computes out = A x, and add_transposed_times() adds Aᵀ λ to `out`. A is the Jacobian of the loop
-  /// equations for velocities or that of the residuals, whichever was computed last.
+  /// times() computes out = A x, and add_transposed_times() adds Aᵀ λ to `out`. A is the Jacobian that was
+  /// computed last. It is that of the loop equations A v = 0 for the velocities v, or that of the position
+  /// residuals r(q) of the loops.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
   /// Computes γ - s'' (D6.7). The loop equations are A v = s' with prescribed right sides s', and γ is the
@@ -184,18 +185,19 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// tree, and A the Jacobian of the equations.
   void factorize_rows() noexcept;
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0 and a given b (one number for
-  /// each equation), with the mass matrix M of the spanning tree; λ is the least (least-squares) solution if
-  /// equations are redundant (D7.8).
+  /// each equation), with the mass matrix M of the spanning tree. The multipliers of equations that are
+  /// redundant according to `rank` are 0. If the other equations are dependent or nearly so, λ approximates
+  /// the solution with the least Σ d_k² λ_k², where d_k is the size of equation k, see scale() (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
   /// Sets a small number μ, the filter, from the residual of the loops at q. Later solutions for multipliers
   /// have no part in directions in which A M⁻¹ Aᵀ is small compared with μ times its diagonal entries (D7.9).
   /// A is the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
-  /// How near the loop equations A v = 0 are to being dependent, as the last solution for their multipliers
-  /// found. M is the mass matrix. It is 1 if no pivot was small in the factorisation of the matrix A M⁻¹ Aᵀ.
-  /// Otherwise it is the least pivot, each divided by the diagonal entry of the matrix in its row. If it is
-  /// near 0, the configuration is nearly singular, and the accelerations are those of a mechanism with more
-  /// degrees of freedom.
+  /// A number that says how near the loop equations A v = 0 were to being dependent when their multipliers
+  /// were computed last. It is 1 if, in the factorisation of A M⁻¹ Aᵀ with the mass matrix M, each pivot was
+  /// larger than 1e-3 d² (float: 1e-2 d²), where d is the size of the pivot's equation, see scale().
+  /// Otherwise the number is the least ratio of a pivot to d². If it is near 0, the configuration is nearly
+  /// singular, and the accelerations are those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -302,11 +304,12 @@ template <class T> class AXODE_ENTRY LoopSystem {
     F_j.f += F_i.f;
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
-  /// Each of these functions computes a part of Y = D^-½ L⁻ᵀ Aᵀ (D7.6), where LᵀD L is the mass matrix of
-  /// the spanning tree and A the Jacobian of the loop equations. pull_row() computes the column of Y for
-  /// one loop equation. pull_rows() computes the columns for n equations of one loop, and so does
-  /// pull_rows_fast() with the pivots of the fast kernel. pull_loop() computes the columns for all
-  /// equations of one loop.
+  /// Each of these functions computes a part of Y = D^-½ L⁻ᵀ Aᵀ (D7.6), where LᵀD L is the mass matrix of the
+  /// spanning tree and A the Jacobian of the loop equations. pull_row() computes the column of Y for one loop
+  /// equation, pull_rows() the columns for n equations of one loop, and pull_loop() the columns for all
+  /// equations of one loop. All three use the factors of the mass matrix that ArticulatedBodies has computed.
+  /// pull_rows_fast() computes the same columns as pull_rows(), but from the factors that the fast
+  /// articulated-body algorithm has computed.
   void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                 const Wrench<Spatial, T>& second) noexcept;
   template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;
@@ -322,8 +325,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
 
     explicit TreeDynamics(Arena& arena) : recursion(arena), bodies(arena) {}
   };
-  /// Scratch memory of the fast kernels, whose size depends on the SIMD instruction set. It also has the
-  /// motion of the bodies about the origins of their root bodies (those joined to the ground).
+  /// Scratch memory of accelerate_fast() and force_fast(), whose size depends on the SIMD instruction set. It
+  /// also has the motion of the bodies about the origins of their root bodies (those joined to the ground).
   struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
     struct OriginMotion {
