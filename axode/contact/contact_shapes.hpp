@@ -52,8 +52,8 @@ class ContactShapes {
  public:
   /// Takes the collision shapes of a model. `hulls` returns the convex hulls that replace meshes. Throws
   /// std::invalid_argument for a mesh without a hull (or without `hulls`), a shape without a size, two planes
-  /// that move relative to each other, and compliant shapes with different exponents that may touch.
-  /// Allocates.
+  /// that move relative to each other, and two compliant shapes that may touch and whose normal forces k dⁿ
+  /// (1 + c d') have different exponents n of the depth d of overlap. Allocates.
   explicit ContactShapes(const Model& model, const MeshHulls& hulls = {});
 
   /// The number of moving bodies of the model from which the shapes were made.

@@ -5,9 +5,10 @@
 
 namespace axode {
 
-/// Coefficients of friction, restitutions and displacements of the n collision shapes of a model: those of
-/// the ground first, then those of the bodies in the order of the description, as in ContactShapes. A span
-/// has entries for all shapes, or is empty if the shapes keep their values.
+/// New values for the n collision shapes of a model: for each shape a coefficient of friction, a restitution,
+/// and six numbers that displace the shape on its body. The shapes of the ground are first, then those of the
+/// bodies in the order of the description, as in ContactShapes. A span has entries for all shapes, or is
+/// empty if the shapes keep their values.
 struct ShapeNumbers {
   std::span<const double> friction = {};     ///< n: coefficients of sliding friction
   std::span<const double> restitution = {};  ///< n
@@ -17,9 +18,9 @@ struct ShapeNumbers {
   std::span<const double> placement = {};
 };
 
-/// Returns a copy of a model whose collision shapes have other friction, restitution or places. Throws
-/// std::invalid_argument for spans of another size, and ModelError for numbers that a shape cannot have.
-/// Allocates.
+/// Returns a copy of a model whose collision shapes have other friction, restitution or poses on their
+/// bodies. Throws std::invalid_argument for spans of another size, and ModelError for numbers that a shape
+/// cannot have. Allocates.
 Model with_shapes(const Model& model, const ShapeNumbers& numbers);
 
 }  // namespace axode

@@ -41,13 +41,15 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   return true;
 }
 
-/// Improves a candidate c for the distance of two cores (convex bodies without the balls that round them)
-/// by at most `rounds` proximal steps (D10.7). A candidate is a unit normal n, the width s of the gap
-/// between the cores along n, and a simplex: weighted points of the difference of the cores, which is the
-/// set of all b - a with points a and b of the two cores. A step shifts the difference along n by
-/// pair.step, or by pair.step - s if s is negative, so that it does not contain the origin. The direction
-/// of its point of least norm is the new normal. The function ends early if a step of full precision
-/// brings no improvement, or if the residual of c is a rounding error.
+/// Improves a candidate c for the distance of two cores (convex bodies without the balls that round them) by
+/// at most `rounds` proximal steps (D10.7). A candidate is a unit normal n, the width s of the gap between
+/// the cores along n, and a simplex: weighted points of the difference of the cores, which is the set of all
+/// b - a with points a and b of the two cores. A step shifts the difference along n by pair.step, a small
+/// part of the size of the bodies, or by pair.step - s if s is negative, so that it does not contain the
+/// origin. The new normal is the direction of the point of least norm of the shifted difference. For curved
+/// cores the first steps compute this point only roughly, and later steps to rounding errors. The function
+/// ends early if a step of the latter kind brings no improvement, or if the residual of c, the distance of
+/// the weighted mean of its points from s n, is a rounding error.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {
@@ -60,10 +62,11 @@ void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   }
 }
 
-/// Computes the least distance of two cores (convex bodies without the balls that round them) that are
-/// apart. The distance is the least norm of b - a for points a and b of the two cores. The candidate c
-/// receives the unit normal n along b - a, the width of the gap along n, and the points, unless it has
-/// better ones. If the cores overlap, c does not change.
+/// Computes the least distance of two cores (convex bodies without the balls that round them) that are apart.
+/// The distance is the least norm of b - a for points a and b of the two cores. The candidate c receives the
+/// unit normal n along b - a, the width s of the gap along n, the points, and the residual |b - a - s n|. But
+/// c keeps its own normal and width if this width is larger, or if both widths are equal to rounding and the
+/// residual of c is not larger. If the cores overlap, c does not change.
 void approach(CorePair& pair, Candidate& c) noexcept {
   Candidate direct;
   direct.n = c.n;

@@ -12,8 +12,8 @@ struct ConvexDistance {
   double distance = 0;
   Vec3<> normal;            ///< unit vector n from body a to body b
   Vec3<> point_a, point_b;  ///< nearest (or deepest) points on the boundaries of a and b, m
-  /// The error of the nearest points: the norm of point_b - point_a - distance n with the normal n, m. If
-  /// the bodies are apart, or if it is proved that no other normal has a wider gap than `distance`, the
+  /// The error of the nearest points, m: the norm of point_b - point_a - distance n, where n is the normal.
+  /// If the bodies are apart, or if it is proved that no other normal has a wider gap than `distance`, the
   /// true distance is at most `distance + residual`.
   double residual = 0;
   double core_overlap = 0;   ///< overlap of the cores along n, m; 0 if the cores are apart

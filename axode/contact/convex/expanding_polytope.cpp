@@ -131,9 +131,9 @@ class Expansion {
     return std::abs(dot(out, one - p)) < std::abs(dot(out, other - p)) ? other : one;
   }
   /// Makes the first tetrahedron, whose vertices are points b - a with points a and b of two cores (convex
-  /// bodies without the balls that round them). The first vertex is the farthest point in the direction
-  /// -n, where n is the normal of the candidate with which the search begins. Returns false if the
-  /// tetrahedron is flat.
+  /// bodies without the balls that round them). The first vertex is the farthest point in the direction -n,
+  /// where n is the unit normal with the least overlap of the cores that was known before the search. Returns
+  /// false if the tetrahedron is flat.
   bool start() noexcept {
     const double flat = 64 * pair_.rounding;
     const Vec3<> n = c_.n;

@@ -31,9 +31,9 @@ bool solve(Equations& m, int size) noexcept {
   return true;
 }
 
-/// Newton's method for the normal n along which the gap between two convex bodies has a stationary width
-/// s. It starts from a candidate: a normal, and a simplex of up to four points b - a, with points a and b
-/// of the two bodies, whose weighted sum is s n at the solution. A body can be `frozen`: it is replaced by
+/// Newton's method for the normal n along which the gap between two convex bodies has a stationary width s.
+/// It starts from a candidate: a normal, and a simplex of up to four weighted points b - a, with points a and
+/// b of the two bodies, whose weighted mean is s n at the solution. A body can be `frozen`: it is replaced by
 /// the polytope of its points in the simplex, which do not change with the normal.
 class Newton {
  public:
