@@ -163,9 +163,11 @@ class ContactPhase {
   double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
   /// Writes the direction of the present sliding velocity of a contact to `s`, and returns the norm of this
   /// velocity. Its components are the velocities in the friction rows of the contact, multiplied by the
-  /// coefficients of friction. For the direction, the component across the direction that is stored for the
-  /// contact is shortened by `resolution` (m/s), at most to 0, because friction amplifies errors of the
-  /// direction near rest (D11.29a).
+  /// coefficients of friction. Near rest, friction amplifies errors of the direction. Therefore, before the
+  /// direction is computed, the component of the velocity perpendicular to d_0 is shortened by `resolution`,
+  /// the error of velocities (m/s), or set to 0 if it is shorter (D11.29a). Here d_0 is the direction of
+  /// sliding that was stored for the contact at the start of the integration step. If the component along d_0
+  /// is negative, `s` has the opposite sign.
   double direction(std::size_t k, double* s) const;
   /// The components of the stored direction of a contact in the axes of its friction rows.
   std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;

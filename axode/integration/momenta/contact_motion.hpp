@@ -59,13 +59,15 @@ class ContactMotion {
 
   /// Takes equal steps from the present time until the end of the motion; the last one may be shorter.
   void take_steps(double step);
-  /// Takes adaptive steps until the end of the motion: computes each step as a whole and in two halves, and
-  /// takes the halves if both results agree; otherwise tries a shorter step. If several contacts share an
-  /// impact, the velocities after it depend on its time within the step, so that the velocities of both
+  /// Takes adaptive steps until the end of the motion. Each step is computed as a whole and in two halves.
+  /// The halves are taken if both results agree; otherwise a shorter step is tried. If several contacts share
+  /// an impact, the velocities after it depend on its time within the step, so that the velocities of both
   /// results may differ however short the step is. A step whose results differ is therefore taken under two
-  /// conditions. Its error is at least a quarter of that of a rejected step that was a hundred times longer.
-  /// The positions of both results, with the difference of the velocities acting for the length of the step,
-  /// agree to the tolerances. A step not longer than 1e-9 of the duration of the motion is always taken.
+  /// conditions. First, shorter steps do not help: a step that was at least a hundred times longer and would
+  /// have ended later than the present time was rejected, and its error was at most four times as large.
+  /// Second, the positions agree: in each coordinate, the difference between the two positions plus h times
+  /// that between the two velocities is compared with the tolerances, where h is the length of the step. A
+  /// step not longer than 1e-9 of the duration of the motion is always taken.
   void take_steps(const Tolerances& tolerances);
   /// Lets a motion that has reached its end continue until a later time (s).
   void continue_until(double until);
@@ -80,7 +82,7 @@ class ContactMotion {
   /// Errors of a step as multiples of the tolerances.
   struct Difference {
     double of_all = std::numeric_limits<double>::infinity();
-    double of_places = of_all;  ///< positions alone, with those of velocities times h
+    double of_places = of_all;  ///< only of positions, with h times those of velocities added
   };
   StepEnd present() const { return {.q = run_.q, .v = run_.v, .x = run_.drives().x}; }
   Failure take(double t_1, ComputedContactStep& step);

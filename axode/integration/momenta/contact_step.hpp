@@ -25,7 +25,8 @@ class ContactStep {
   ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. x_0 are the states
-  /// of the drives, whose statuses and inputs do not change in the step. A step that violates the laws of
+  /// of the drives at time t. Two things do not change in the step: the inputs of the drives, and their
+  /// statuses, the integers that say which form of each drive's law holds. A step that violates the laws of
   /// contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16 parts. Allocates
   /// only if there are more than 64 contacts and more than ever before, and in the first step in which the
   /// iteration of the midpoint rule needs the Jacobian matrix of its equations (D8.6). Fails if the mass

@@ -56,9 +56,11 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
       }
 }
 
-/// Differentiates velocities and momenta after the impulses at the start of a substep, a step or a part of
-/// one (D11.19): along each of k directions at constant multipliers of these impulses, and then by each
-/// multiplier.
+/// Differentiates the velocities and momenta after the impulses at the start of a substep (D11.19). A substep
+/// is a whole step or a part of one. Matrices of changes have k columns for the directions of
+/// differentiation, at constant multipliers, and then a column for each multiplier with the derivative by it.
+/// A multiplier is the impulse of a constraint row at the start of the substep, divided by the coefficient of
+/// friction if it is a friction row of a contact.
 bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, const Matrix& dv,
                                   const ContactDirections& directions, Start& out) {
   const Eigen::Index nv = dq.rows(), k = dq.cols();
@@ -125,9 +127,11 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
 }
 
 /// Computes the relative velocities at the contacts in the middle of a substep (a step or a part of one),
-/// between the impulses at its ends, and the changes of these velocities: along the directions of
-/// differentiation at constant multipliers of the impulses at the start, and then by each multiplier. The
-/// axes of a contact are those at the start, turned so that the first one is the normal in the middle.
+/// between the impulses at its ends, and the changes of these velocities. The changes have k columns for the
+/// directions of differentiation, at constant multipliers, and then a column for each multiplier with the
+/// derivative by it. A multiplier is the impulse of a constraint row at the start, divided by the coefficient
+/// of friction if it is a friction row of a contact. The axes of a contact are those at the start, turned so
+/// that the first one is the normal in the middle.
 bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& start, const Flight& flight,
                                       Slip& out) {
   const int width = system_.contact_rows();
@@ -152,9 +156,14 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
   return true;
 }
 
-/// Computes the velocities u at contacts, stops, dry friction and loops that obey the laws of contact
-/// together with the impulses at the start of the step (D11.13), and the changes du of u (D11.21): along the
-/// directions of differentiation at constant multipliers of these impulses, and then by each multiplier.
+/// Computes the velocities u of the constraint rows (of contacts, stops, dry friction and loops) that obey
+/// the laws of contact together with the impulses at the start of a substep (D11.13). For stops, loops and
+/// normals of contacts, u is the distance or residual at the end of the substep, less an overlap at its
+/// start, divided by its length; for a compliant contact under load it is 0 (D11.28). For friction, u is the
+/// velocity in the middle of the substep, plus that at its start if the contact slides. Also computes the
+/// changes du of u (D11.21): k columns for the directions of differentiation, at constant multipliers, and
+/// then a column for each multiplier with the derivative by it. A multiplier is the impulse of a row at the
+/// start, divided by the coefficient of friction if it is a friction row of a contact.
 bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const Start& start,
                                                   const Flight& flight, const Slip& middle, Vector& u,
                                                   Matrix& du) {

@@ -71,10 +71,11 @@ class ContactStepDerivative {
     Eigen::Matrix3Xd turn;    ///< rotations by geometric parameters, in inertial axes; 3 × p or empty
     Eigen::Matrix3Xd center;  ///< changes of the centre of mass at the start by parameters, 3 × p or empty
   };
-  /// The contacts in one configuration. For each of them: the point, the normal and the gap with their
-  /// derivatives by a displacement of one body relative to the other, whether the contact was found in this
-  /// configuration with a gap below the margin, its axes, and the changes of the point, the normal, the gap
-  /// and the axes along the directions of differentiation.
+  /// A list of contacts, evaluated in one configuration. For each contact, `jets` has the point, the normal
+  /// and the gap with their derivatives by a displacement of one body relative to the other, and `axes` has
+  /// its axes. `changes` and `daxes` have the changes of the point, the normal, the gap and the axes along
+  /// the directions of differentiation. `found` says whether the gap of the contact in this configuration is
+  /// below the margin. If it is not, find() leaves the entries of the contact in `jets` and `changes` empty.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};
@@ -83,17 +84,20 @@ class ContactStepDerivative {
     std::vector<FrameChanges> daxes = {};
   };
   /// The joint impulses Jᵀ λ at one end of a substep (a step or a part of one), with the Jacobian J and the
-  /// impulses λ of contacts, stops, dry friction and loops. Each entry of λ is the product of a scaled
-  /// multiplier and its scale c, a coefficient of friction or 1.
+  /// impulses λ of the constraint rows of contacts, stops, dry friction and loops. Each impulse is the
+  /// product of a multiplier and a factor c, which is the coefficient of friction for friction rows of
+  /// contacts and 1 for all others. The member `lambda` has the multipliers, and physical() returns the
+  /// impulses.
   struct Impulses {
     Matrix J;
-    Vector c, lambda;  ///< λ in scaled rows
+    Vector c, lambda;  ///< factors and multipliers of the rows
     Vector physical() const { return c.cwiseProduct(lambda); }
   };
 
-  /// The start of a substep (a step or a part of one). Matrices of changes have k columns along the
-  /// directions of differentiation at constant multipliers, and then one for a unit of each multiplier of the
-  /// impulses.
+  /// The start of a substep (a step or a part of one). Matrices of changes have k columns for the directions
+  /// of differentiation, at constant multipliers, and then a column for each multiplier with the derivative
+  /// by it. A multiplier is the impulse of a constraint row at the start, divided by the coefficient of
+  /// friction if it is a friction row of a contact.
   struct Start {
     Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
@@ -122,9 +126,11 @@ class ContactStepDerivative {
   /// Finds the points, normals and gaps of contacts with gaps up to `margin`, and their changes along the
   /// directions of differentiation. Returns false if a contact has no formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
-  /// The changes of the factors that scale the multipliers, a row for each multiplier and a column for each
-  /// direction of differentiation. For friction these factors are the coefficients of friction, and
-  /// `friction` has the changes of the coefficients of each shape.
+  /// The changes of the factors c of the constraint rows, a row for each constraint row and a column for each
+  /// direction of differentiation. c is the impulse of a constraint row divided by its multiplier: the
+  /// coefficient of friction for friction rows of contacts, and 1 for all others. Only the factors of sliding
+  /// friction change. `friction` has the changes of the coefficients of sliding friction of the shapes, a row
+  /// for each shape.
   Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                              const Matrix& friction) const;
   /// The changes of a contact by the displacements of its shapes on their bodies (p columns).
@@ -145,10 +151,11 @@ class ContactStepDerivative {
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);
-  /// The changes, along the directions of differentiation, of the velocities in the loop constraints that
-  /// follow from the velocities before the step by the impulses at its start and half a step under gravity,
-  /// at the configuration q_0. The impulses of rolling contacts, which constrain velocities alone, are those
-  /// with which these velocities are 0.
+  /// Computes the changes of the velocities J v in the loop constraints with the Jacobian J, at the
+  /// configuration q_0 at the start of a substep (a step or a part of one); the columns are those of dp. The
+  /// joint velocities v are those before the substep plus two terms: the effect of all impulses at its start,
+  /// and the effect of gravity during half the substep. If a loop constrains velocities alone, as a rolling
+  /// contact does, the impulses make its velocities J v equal to 0.
   Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
                          const Matrix& dq, const Matrix& dv);
   Matrix Ad_transpose(const Vector& y, Matrix x) const;

@@ -99,11 +99,13 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
   return e;
 }
 
-/// Adds the changes of the moving frames of floating bases along the directions of differentiation, at `time`
-/// (s) after the start of a substep (a step or a part of one). The coordinates of floating bases are relative
-/// to these frames. dq receives the changes of their positions, of_place times the changes of their
-/// velocities at the start: of_place is `time`, or 0 to leave them out. dv receives the changes of their
-/// velocities times of_velocity, 1 or 0.
+/// Adds the changes of the moving frames of floating bases to dq and dv, at `time` (s) after the start of a
+/// substep (a step or a part of one), along the directions of differentiation. The coordinates of a floating
+/// base are relative to its moving frame, which does not rotate, falls with gravity, and starts with the
+/// velocity of the centre of mass of the base with its subtree. dq receives of_place times the changes of the
+/// initial velocities of the frames. If of_place is equal to `time`, these are the changes of the positions
+/// of the frames; if of_place is 0, nothing is added to dq. dv receives of_velocity (1 or 0) times the
+/// changes of the velocities of the frames. dq or dv may be null.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);
@@ -147,10 +149,12 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
 }
 
 /// Computes, in the middle of a substep, the derivatives f_q and f_v by q and v of the forces f = ∂T/∂q -
-/// ad_vᵀ M v plus gravity, springs and damping, with the kinetic energy T. For floating bases, q and v are
-/// relative to their moving frames. Adds to df the changes of f at constant q and v, along the directions of
-/// differentiation: those by the parameters of the mechanism, from parameter_changes_, and those of the
-/// forces of springs. Springs depend on poses in the inertial frame, which change with the moving frames.
+/// ad_vᵀ M v plus gravity, springs and damping, with the kinetic energy T. For a floating base, q and v are
+/// relative to a moving frame, which does not rotate, falls with gravity, and starts with the velocity of the
+/// centre of mass of the base with its subtree. Adds to df the changes of f at constant q and v along the
+/// directions of differentiation. These are the changes by the parameters of the mechanism, from
+/// parameter_changes_, and the changes of the forces of springs, which depend on poses in the inertial frame
+/// and therefore on the moving frames.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;
