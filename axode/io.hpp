@@ -28,9 +28,9 @@ enum class Base {
 /// of the file; warnings are in Model::warnings().
 ///
 /// If `strictness` is lenient, the reader of any format accepts the following defects with a warning: an
-/// inertia that no mass distribution has, a lower limit above the upper one (both are removed), and a coupled
-/// joint whose leader does not exist (it moves on its own). In a URDF it also accepts a wrong scale of a mesh
-/// and an element that is repeated word for word.
+/// inertia that no mass distribution has, a lower limit above the upper one (both limits are removed), and a
+/// coupled joint whose leader does not exist (it moves on its own). In a URDF it also accepts a wrong scale
+/// of a mesh and an element that is repeated word for word.
 Model load(const std::filesystem::path& file, Base base = Base::as_described,
            Strictness strictness = Strictness::lenient);
 
