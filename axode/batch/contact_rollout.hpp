@@ -9,9 +9,11 @@ namespace axode::batch {
 /// which are constant in each step. q_out and v_out receive (K + 1) states for each motion, beginning with
 /// the given initial state. `certificates` receives, for each step of each motion, the relative residual of
 /// the laws of contact (K N numbers, see Trajectory::certificates), unless it is empty. If a motion cannot
-/// continue, its later states and certificates are NaN. The monitor, the caller's function that can end a
-/// long call, is called in the calling thread, before and during steps, with 0 finished motions. If it ends
-/// the call, Outcome::done is 0.
+/// continue, its later states and certificates are NaN.
+///
+/// The monitor is the caller's function monitor(done, of) that can end a long call by returning false. It is
+/// called in the calling thread, before and during steps. `of` is N; `done` is always 0, because finished
+/// motions are not counted. If the monitor ends the call, Outcome::done is 0 as well.
 ///
 /// `shapes` are the collision shapes of the model. If `joint_losses` is set, damping and dry friction of
 /// joints act. Drives with states act as in simulate_contact(), with which motions agree to the last bit for
