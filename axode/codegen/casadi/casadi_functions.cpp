@@ -104,9 +104,11 @@ class Accelerations {
   static void subtract(Traces& x, const Traces& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// Makes a recording (a list of operations) with each of the recorded ways to solve with the mass matrix
-  /// (`solution`), by make(composition, state, solution), and returns the one with the fewest operations.
-  /// `composition` receives the operations, and `state` has the recorded q, v and accelerations.
+  /// Makes the same recording (a list of operations) in several ways, and returns the one with the fewest
+  /// operations. The ways differ in the method that solves M x = b with the mass matrix M. For each method,
+  /// make(composition, state, solution) must return the recording: `composition` receives the operations,
+  /// `state` has the recorded q, v and accelerations a, and `solution` is the recording of x = M⁻¹ b by this
+  /// method, a function of q and b.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {
@@ -195,9 +197,9 @@ CasadiOutput output(std::string name, int rows, int columns, std::size_t recordi
   return out;
 }
 
-/// The matrices in which CasADi receives the results of a function. Results that are always 0 are removed
-/// from the list of operations by which the function is recorded, and if the results are poses, the constant
-/// 1 for their last rows is appended.
+/// Returns the matrices in which CasADi receives the results of a function, and changes the results of
+/// `value`, the recording (list of operations) of the function. Results that are always 0 are removed, and
+/// the constant 1 is added as the last result. It is the last entry of the 4 × 4 matrices of poses.
 std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
                                    std::span<const std::string> frames, Recording& value) {
   const int nv = model.nv();

@@ -29,9 +29,11 @@ class CasadiInverse {
   };
 
   /// `entries` are the indices r + nv c of those entries (r, c) of A = M⁻¹, the inverse of the mass matrix M,
-  /// that the generated function for A computes. `masses` are the recorded derivatives of M by q, one of each
-  /// Kind, from which those of A are computed. The gradient of the weighted sum of the entries has an
-  /// argument with their weights; `weights` is its name.
+  /// that the generated function for A computes. `masses` are recordings of three derivatives of M by q, from
+  /// which the derivatives of A are computed: the derivative along a direction of q, the gradient of a
+  /// weighted sum of the entries of M, and the derivatives by each coordinate, in this order. The gradient of
+  /// the weighted sum of the entries of A has an argument with their weights; `weights` is the name of this
+  /// argument.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 
