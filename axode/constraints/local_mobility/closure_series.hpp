@@ -5,8 +5,11 @@
 #include "axode/constraints/local_mobility/polynomial_ring.hpp"
 #include "axode/constraints/local_mobility/walks.hpp"
 
-/// Computes power series of the product f of the joint exponentials around a loop by brackets of joint
-/// screws. f is the identity if the loop is closed. A series is a matrix of coefficients with six rows.
+/// Computes power series for a loop of joints by Lie brackets of joint screws. The product f of the
+/// exponentials of all joints around the loop is a pose; it is the identity if the loop is closed. The series
+/// are those of the spatial twist of the last body of the loop and of log f, each with six coordinates. A
+/// series is a matrix of coefficients with a row for each of the six coordinates and a column for each
+/// monomial of the variables.
 namespace axode::higher_order {
 
 /// Computes the power series V of the spatial twist of the last body of a loop, up to the given degree. The

@@ -17,9 +17,9 @@ inline constexpr double coefficient_tolerance = 1e-6;
 using Equations =
     std::function<Eigen::MatrixXd(const PolynomialRing& ring, const Eigen::MatrixXd& z, int degree)>;
 
-/// The result of eliminating unknowns from equations φ(z) = 0: those are eliminated that the derivative of φ
-/// at 0 determines, and the equations g(u) = 0 remain for coordinates u in the kernel of this derivative
-/// (D13.7 to D13.9).
+/// The result of eliminating unknowns from equations φ(z) = 0. The unknowns that the derivative of φ at 0
+/// determines are eliminated, and the equations g(u) = 0 remain for coordinates u in the kernel of this
+/// derivative (D13.7 to D13.9).
 struct Elimination {
   int rank = 0;
   Eigen::VectorXd singular_values;       ///< singular values of the derivative of φ at 0
@@ -28,10 +28,11 @@ struct Elimination {
   Eigen::MatrixXd z;                     ///< polynomials z(u) that solve the equations in the range of the
                                          ///< derivative
   Eigen::MatrixXd left;                  ///< columns: a basis of the left null space of the derivative
-  /// Sizes to which the rounding errors of coefficients are proportional, one for each degree. The size is
-  /// the largest absolute coefficient, up to that degree, of the polynomials z(u), which solve for the
-  /// unknowns, and of the equations g(u) = 0 that remain for coordinates u of the kernel of the derivative,
-  /// but at least 1.
+  /// Sizes to which the rounding errors of coefficients are proportional, one for each degree. The
+  /// elimination has solved the equations φ(z) = 0 by polynomials z(u), as far as the derivative ∂φ/∂z at 0
+  /// determines the unknowns z. The equations g(u) = 0 remain for coordinates u of the kernel of this
+  /// derivative. The size for a degree is the largest absolute coefficient of z(u) and g(u) up to that
+  /// degree, but at least 1.
   std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };

@@ -29,10 +29,11 @@ struct BlowUp {
   Eigen::MatrixXd B, u;
 };
 
-/// Substitutes u = s (e + B v) in the equations g(u) = 0, where s is the distance along a direction e and v
-/// the deviation from it, and divides each by the power of s that its terms have in common: h_i = g_i(s (e +
-/// B v)) / s^(m_i) for an equation of lowest degree m_i (D13.11). Terms of the results whose degree is above
-/// the largest degree of the ring of polynomials `small` are dropped.
+/// Substitutes u = s (e + B v) in the equations g(u) = 0, where s is the distance along a direction e, the
+/// columns of B are an orthonormal basis of the directions orthogonal to e, and v are the coordinates of the
+/// deviation from e in this basis. Divides each equation by the power of s that its terms have in common: h_i
+/// = g_i(s (e + B v)) / s^(m_i) for an equation whose lowest degree is m_i (D13.11). Terms of the results
+/// whose degree is above the largest degree of the ring of polynomials `small` are dropped.
 Eigen::MatrixXd divided(const PolynomialRing& ring, const std::vector<Form>& rows, const BlowUp& blow,
                         const PolynomialRing& small) {
   Eigen::MatrixXd g(static_cast<Eigen::Index>(rows.size()), ring.size());
@@ -61,9 +62,10 @@ std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, cons
 }
 
 /// The power series of solutions of h(s, v) = 0 at which ∂h/∂v is singular. These equations are the result of
-/// a blow-up: u = s (e + B v) was substituted for the unknowns u, with the distance s along a direction e and
-/// the deviation v from it. The solutions also solve the larger system h = 0, (∂h/∂v) λ = 0 with a vector λ
-/// near the kernel of ∂h/∂v at 0 (D13.12).
+/// a blow-up: u = s (e + B v) was substituted for the unknowns u, where s is the distance along a direction
+/// e, the columns of B are an orthonormal basis of the directions orthogonal to e, and v are the coordinates
+/// of the deviation from e in this basis. The solutions also solve the larger system h = 0, (∂h/∂v) λ = 0
+/// with a vector λ near the kernel of ∂h/∂v at 0 (D13.12).
 std::vector<Germ> deflated(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& h,
                            int depth) {
   const int d = ring.variables(), K = ring.degree() - 1;

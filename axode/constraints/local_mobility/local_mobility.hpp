@@ -90,8 +90,8 @@ struct MobilityProbe {
 struct LocalMobility {
   std::vector<ClosureCoordinate> coordinates;  ///< n coordinates: velocities of the spanning tree, followed
                                                ///< by degrees of freedom of loop joints
-  std::vector<int> outside;        ///< indices of velocities of joints in no loop; each adds 1 to every
-                                   ///< mobility below
+  std::vector<int> outside;        ///< indices of velocities of joints in no loop or coupling; each adds 1
+                                   ///< to every mobility below
   std::vector<std::string> loops;  ///< names of the loops and couplings that were analysed
   double length = 1;               ///< characteristic length, m
   int order = 0;                   ///< highest order K of the expansion that was used
@@ -131,9 +131,12 @@ struct LocalMobility {
   bool decided_by_rank = false;
 };
 
-/// Returns words that describe a configuration: "no loops", or regular, kinematic singularity, branch point,
-/// kinematotropic, cusp, shaky, rigid, rigid at order m, dead points and idle drives by name, and "not
-/// settled up to order K".
+/// Returns words that describe a configuration of a mechanism with loops: "rigid", "branch point", "cusp",
+/// "kinematotropic", "kinematic singularity", "shaky" and "rigid at order m", as far as they apply; "regular"
+/// if none of them applies and the result is settled; "dead point of NAME" for a driven joint that has no
+/// velocity at the configuration but moves near it; "idle drive of NAME" for a driven joint that rests along
+/// a branch of motions; and "not settled up to order K". Joints are driven unless they are passive. Returns
+/// "no loops" for a mechanism without loops.
 std::vector<std::string> mobility_words(const Model& model, const LocalMobility& found);
 
 /// Finds how a mechanism with loops can move from a closed configuration q (nq): the mobility by order, the
@@ -152,8 +155,9 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 [[nodiscard]] LocalMobility local_mobility(const Model& model, std::span<const double> q,
                                            const LocalMobilityOptions& options = {});
 
-/// Describes each coordinate of the closure equations by its name, velocity and unit. There is a coordinate
-/// for each velocity of the joints in loops, followed by one for each degree of freedom of the loop joints.
+/// Returns the coordinates of the loop closure equations. There is one for each velocity of the joints of the
+/// spanning tree that are in a loop or coupling, followed by one for each degree of freedom of the loop
+/// joints. Each has a name, the index of the velocity in v (-1 for a loop joint), and the unit, rad or m.
 std::vector<ClosureCoordinate> closure_coordinates(const Model& model);
 
 /// Computes, for each loop joint, the sum V of the joint twists on the way around its loop, and its time
