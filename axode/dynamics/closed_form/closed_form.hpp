@@ -41,8 +41,9 @@ Eigen::MatrixXd coriolis_matrix(const Model& model, std::span<const double> q, s
                                 CoriolisForm form);
 
 /// The drive forces τ (nv) by Lagrange's equations: τ = M a + C v + ∂U/∂q - Q (eq. LE), with the mass matrix
-/// M, the Coriolis matrix C of the paper (eq. CMat), the potential energy U of gravity and the generalised
-/// forces Q of the loads.
+/// M, the Coriolis matrix C of eq. CMat, the potential energy U of gravity and the generalised forces Q of
+/// the loads. The equation labels are those of A. Müller, Screw and Lie group theory in multibody dynamics
+/// (2018); there are other matrices C with the same product C v.
 Eigen::VectorXd lagrange_equations(const Model& model, std::span<const double> q, std::span<const double> v,
                                    std::span<const double> a, const Loads<double>& loads = {});
 
