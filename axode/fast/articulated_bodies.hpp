@@ -220,9 +220,12 @@ template <class G, class T> struct FastArticulatedBodies {
   }
 
  private:
-  /// Computes u of the eliminated joint i from its drive forces, which are part of x (nv numbers), and from
-  /// the wrench (m, f) on body i about its origin, which becomes the wrench on the predecessor about the
-  /// origin of the predecessor.
+  /// Takes joint i in the backward sweep, after its elimination. x (nv numbers) are the drive forces or
+  /// another right side of equations with the mass matrix, and (m, f) is the wrench W on body i about its
+  /// origin. For each screw S of the joint, from the last to the first, the joint force that remains is g =
+  /// x_k - S|W with the entry x_k of x. Stores u = g/D with the pivot D, and adds the wrench g K with K of
+  /// the elimination (see Pivot). (m, f) becomes the wrench on the predecessor about the origin of the
+  /// predecessor.
   template <class S>
   [[gnu::always_inline]] void pass_wrench(const Tree<S>& tree, int i, const T* x, Vector& m,
                                           Vector& f) noexcept {
@@ -245,7 +248,8 @@ template <class G, class T> struct FastArticulatedBodies {
     m += cross(Factor(b.r), Factor(f));
   }
 
-  /// The backward sweep: it eliminates the joints and, if `forces`, computes u of every joint from `tau`.
+  /// The backward sweep: it eliminates the joints and, if `forces`, computes u of every joint from `tau`. u
+  /// is the joint force that remains after the bias wrench, divided by the pivot (see Pivot).
   template <bool forces, class S> void sweep(const Tree<S>& tree, const T* tau) noexcept {
     Articulated M{};
     Vector m{}, f{};
@@ -347,11 +351,12 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// One step, from the leaves to the root, of the solution of M X = B with the mass matrix M: that of one
-  /// joint, whose n screws have the indices s to s + n - 1. right_side(k) is the row of B for screw k, and F
-  /// the sum of the wrenches that the joints of the children transmit. Computes u, the joint acceleration
-  /// along each screw if the predecessor and the screws before it have no acceleration. Unless the joint is
-  /// on the ground, F becomes the wrench that the joint transmits if the predecessor has no acceleration.
+  /// Takes one joint in the backward sweep (from the leaves to the root) that solves M X = B with the mass
+  /// matrix M for several columns at once. The n screws of the joint have the indices s to s + n - 1.
+  /// right_side(k) is the row of B for screw k, and F the sum of the wrenches that the joints of the children
+  /// transmit. Computes u, the joint acceleration along each screw if the predecessor and the screws before
+  /// it have no acceleration. Unless the joint is on the ground, F becomes the wrench that the joint
+  /// transmits if the predecessor has no acceleration.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
                                              const RightSide& right_side, Several* u, bool on_a_body,
@@ -367,11 +372,11 @@ template <class G, class T> struct FastArticulatedBodies {
     if (on_a_body)
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
-  /// One step, from the root to the leaves, of the solution of equations with the mass matrix: that of one
-  /// joint, whose n screws have the indices s to s + n - 1. free(k) is the joint acceleration along screw k
-  /// if the predecessor and the screws before it have no acceleration. put(k, x) receives the true joint
-  /// acceleration x along screw k. On entry X is the acceleration of the predecessor (0 for the ground), on
-  /// return that of the body.
+  /// Takes one joint in the forward sweep (from the root to the leaves) that solves equations with the mass
+  /// matrix for several right sides at once. The n screws of the joint have the indices s to s + n - 1.
+  /// free(k) is the joint acceleration along screw k if the predecessor and the screws before it have no
+  /// acceleration. put(k, x) receives the true joint acceleration x along screw k. On entry X is the
+  /// acceleration of the predecessor (0 for the ground), on return that of the body.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {

@@ -11,8 +11,9 @@ namespace axode {
 /// Composite inertias are about the origins of the bodies. The joint screws S and the impulses F, which give
 /// the subtrees of the joints the twists S, are then written about the origin of the root body, where M_ij =
 /// S_i | F_j, the product of a screw and an impulse. As the velocities of a subtree are consecutive, a row of
-/// M is a product of one screw and consecutive entries of F. The screws of a free root body are the unit
-/// vectors; if it is the first body, its rows of M are the components of F.
+/// M is a product of one screw and consecutive entries of F. The screws of a root body on a free joint are
+/// the unit vectors. If this root body is body 1 of the tree, the first six rows of M are the components of
+/// F.
 template <class T> struct FastCompositeBodies {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -110,9 +111,11 @@ template <class T> struct FastCompositeBodies {
   static int unit_screws(const Topology& topology) {
     return topology.n > 0 && topology.kind[1] == Subgroup::free ? 6 : 0;
   }
-  /// The largest number of columns after the last full register that are written as single numbers.
+  /// The largest number of columns after the last full SIMD register that are computed without SIMD
+  /// registers, one number after the other.
   static constexpr int widest_tail = 2;
-  /// Writes the rows of a free first body, whose subtree has the columns before `end`.
+  /// Writes the first six rows of M if body 1 is on a free joint. Its subtree has the columns before `end`;
+  /// the later columns are 0.
   void copy_rows(int nv, int end, T* out) const noexcept {
     const Arrays<T> from = F;
     const Number zero(T(0));
@@ -122,8 +125,9 @@ template <class T> struct FastCompositeBodies {
       for (int c = end; c < nv; c += L::width) store_row<T>(zero, k, c, nv, row + c);
     }
   }
-  /// Writes the last columns of M, from c on, as single numbers. The entries of their rows in the columns
-  /// before c must have been written, because they are copied.
+  /// Writes the columns c to nv - 1 of M without SIMD registers, one number after the other. An entry (k, r)
+  /// of these columns with k < c is copied from the entry (r, k), because M is symmetric. Hence the columns
+  /// before c must have been written.
   void write_tail(const Topology& topology, int c, T* out) const noexcept {
     const std::ptrdiff_t nv = topology.nv;
     for (std::ptrdiff_t r = c; r < nv; ++r) {
