@@ -6,8 +6,10 @@
 /// Motions from rest at a configuration `start` to rest at a configuration `goal`, within limits of
 /// velocities and accelerations, for controllers to follow. Every joint moves along its geodesic: q = start ⊕
 /// s X, v = s' X and a = s'' X, where X is the displacement from start to goal, start ⊕ X = goal, with
-/// rotations the shorter way round, and the profile s of the joint rises from 0 to 1. All joints start and
-/// arrive together, in the shortest time in which every joint alone can move by a profile of the kind.
+/// rotations the shorter way round, and the profile s of the joint rises from 0 to 1. The profile is a
+/// polynomial of degree 5 in quintic_profile(), and has a trapezoidal velocity s' in trapezoidal_profile().
+/// All joints start and arrive together. The duration is the shortest one with which such profiles keep every
+/// joint within its limits.
 ///
 /// The trajectory begins at t = 0 and is exact at all times. It has one state if start and goal are equal,
 /// and otherwise about fifty, and one at each jump of an acceleration. Coupled joints follow their leaders;

@@ -55,8 +55,9 @@ class AbsoluteSimulationRun {
   double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// The scale against which rounding errors of velocities are judged: the size of the terms from which a
-  /// step of length h computes the bodies' velocities v_t.
+  /// The scale against which rounding errors of velocities are judged: the size, in the energy norm, of the
+  /// terms from which a step of length h (s) computes the velocities of the bodies. `v_t` are these
+  /// velocities at a time in the step.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }

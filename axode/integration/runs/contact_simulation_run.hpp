@@ -132,16 +132,18 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
   bool is_exact() const { return midpoint_.is_exact(); }
-  /// Completes the last motion of the step: computes the momenta p_end at its end, relative to the moving
-  /// frames of the floating bases, which are exact to rounding under gravity. v_0 are the velocities of
-  /// begin().
+  /// Ends the computation of the motion in the step, after the last call of fly(). Completes p_end, the joint
+  /// momenta at the end of the step before the impulses there. The momenta of floating bases are relative to
+  /// their moving frames, which fall with gravity but do not rotate. They are exact to rounding if only
+  /// gravity acts on the bases between the impulses. v_0 are the velocities that begin() received.
   void arrive(const Vector& v_0) {
     change_ = v_middle - v_0;
     h_of_change_ = h_;
     bases().to_momenta(q_moving_.data(), y_.data(), p_end.data());
   }
-  /// Converts velocities at the end of the last motion of the step, which are relative to the moving frames
-  /// of the floating bases, to the inertial frame.
+  /// Converts the velocities v_t at the end of the step, at the configuration that the last call of fly()
+  /// computed, to the inertial frame. On entry the velocities of floating bases are relative to their moving
+  /// frames, which fall with gravity but do not rotate.
   void leave_moving_frames(Vector& v_t) { bases().from_moving_frame(t_ + h_, q_moving_.data(), v_t.data()); }
 
   /// Computes the states x of the drives at the end of the present step by (D17.7b). The step has the length

@@ -10,7 +10,7 @@
 namespace axode {
 
 /// A motion that is integrated in configurations q and momenta p = M v. The coordinates of floating bases are
-/// relative to moving frames, which do not rotate and fall with gravity.
+/// relative to moving frames, which fall with gravity but do not rotate.
 class MomentumSimulationRun : public SimulationRun {
  public:
   MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,
@@ -32,7 +32,7 @@ class MomentumSimulationRun : public SimulationRun {
 
   /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L, at time t and the
   /// state (q_t, v_t). The coordinates and velocities of floating bases in this state are relative to moving
-  /// frames, which do not rotate and fall with gravity.
+  /// frames, which fall with gravity but do not rotate.
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     q_t_ = q_t;
     v_t_ = v_t;
@@ -80,8 +80,8 @@ class MomentumSimulationRun : public SimulationRun {
   /// Whether a load or drive acted on a floating base in the last evaluation of forces.
   bool pushes_bases() const { return pushes_bases_; }
   /// Appends the end of a step, a state (q, p) with the states x of the drives, to the trajectory. The
-  /// coordinates and momenta of floating bases are relative to moving frames, which do not rotate and fall
-  /// with gravity.
+  /// coordinates and momenta of floating bases are relative to moving frames, which fall with gravity but do
+  /// not rotate.
   Failure take_momenta(double t, const Vector& q_t, const Vector& p, const Vector& x) {
     Vector q_1 = q_t, v_1, a_1(p.size());
     if (Failure failure = velocity(t, q_t, p, v_1)) return failure;

@@ -79,8 +79,10 @@ Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double
   return {};
 }
 
-/// The time in a step at which the gap of a free play (backlash) is negative, although it is positive at both
-/// ends of the step; t_1 if there is no such time. The gap is approximated by a cubic in time.
+/// Searches the step up to time t_1 (s) for a free play (backlash) that passes an end and comes back. This is
+/// the case if the gap to the end falls at the start of the step, rises at the end of the step, and is
+/// negative at its least value in between; the gap is approximated by a cubic in time. Returns the time of
+/// the least value, or t_1 if there is no such play.
 double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   const double h = t_1 - now();
   for (std::size_t k = 0; k < plays_.size(); ++k)

@@ -44,8 +44,9 @@ class SimulationRun {
   /// Computes the accelerations a_t at time t and state (q_t, v_t) under springs, drives, loads and friction.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
 
-  /// Computes the residual r (nv numbers) of the equations of motion, which is 0 if a_t are the
-  /// accelerations: ID(q, v, a) - τ by inverse dynamics or, with loops, a - FD(q, v, τ) by forward dynamics.
+  /// Computes the residual r (nv numbers) of the equations of motion, which is 0 if a_t are the accelerations
+  /// at time t and state (q_t, v_t). It is r = ID(q_t, v_t, a_t) - τ with the inverse dynamics ID and the
+  /// joint forces τ or, for a mechanism with loops, r = a_t - FD(q_t, v_t, τ) with the forward dynamics FD.
   /// For a velocity that sticks by dry friction, the entry of r is the acceleration in a_t.
   Failure residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r);
   double size_of_residual(const Vector& r) const {
@@ -76,8 +77,9 @@ class SimulationRun {
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
   /// Takes the step to t_1, or to an earlier time at which a joint comes to rest or begins to slide under dry
-  /// friction, the law of a drive changes its form, or a play (backlash) reaches or leaves an end. Before the
-  /// call, `attempt` must have computed `end` at t_1.
+  /// friction, the law of a drive changes its form, or a play (backlash) reaches or leaves an end. `attempt`
+  /// is a function that computes the state at the end of a step from the present time to a given time. Before
+  /// the call, it must have been called for the time t_1, and `end` must be its result.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
   /// Prepares an attempt at a step: resets the violation of dry friction and weakest_row().
   void begin_step();
@@ -97,9 +99,11 @@ class SimulationRun {
   Failure take_closed(double t, Span q_end, Span v_end, const Vector& x_end);
   /// Shortens a step in which a status of a drive must change, so that it ends just after the change. A
   /// status is the integer that says which form of the drive's law holds. t_1 and `end`, the time and the
-  /// state at the end of the step, become those of the shorter step; the last call of `attempt` may have been
-  /// for another time. If `abrupt` is true, steps are shortened only for changes by which forces, rates or
-  /// states of drives jump.
+  /// state at the end of the step, become those of the shorter step. The function searches for it by calls of
+  /// `attempt`, which computes the state at the end of a step from the present time to a given time. The last
+  /// call may be for a time other than the final t_1, so that other data that `attempt` stores may belong to
+  /// that time. If `abrupt` is true, steps are shortened only for changes by which forces, rates or states of
+  /// drives jump.
   Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt, bool abrupt = false);
   /// Lets the statuses and inputs of the drives change at the present time, and computes accelerations anew.
   Failure switch_drives();
