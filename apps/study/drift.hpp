@@ -13,9 +13,9 @@ struct Drift {
   struct Of {
     double joints_on_ground, all_joints;  ///< largest residuals
   };
-  /// The residuals after motions with three choices of the configuration groups of the bodies: SE(3) for all;
-  /// SO(3) × R³ for all; and SE(3) for bodies whose joint on the ground constrains them, SO(3) × R³ for all
-  /// others.
+  /// Largest residuals of the joint constraints at the end of a motion in absolute coordinates, rad and m,
+  /// for three choices of the configuration groups of the bodies: SE(3) for all bodies; SO(3) × R³ for all
+  /// bodies; and SE(3) for bodies whose joint on the ground constrains them, SO(3) × R³ for all others.
   Of SE3, SO3xR3, by_joint;
 };
 

@@ -13,15 +13,16 @@ struct RoundingErrors {
   struct Of {
     double body, spatial, inertial, hybrid, mixed;
   };
-  double distance;   ///< of the root bodies from the inertial origin, m
+  double distance;   ///< displacement of the root bodies, m
   double heaviness;  ///< factor of the inertia of the last body
-  double condition;  ///< of the mass matrix
+  double condition;  ///< largest condition number of the mass matrix in the states
   Of inverse_dynamics, forward_dynamics;
 };
 
-/// The rounding errors of inverse and forward dynamics for root bodies that are 0, 1, 10, ..., 1e6 m away
-/// from the inertial origin, and then for a last body whose inertia is 1e1 to 1e4 times as large. The errors
-/// are differences from the results in long double.
+/// Computes the rounding errors of inverse and forward dynamics for variants of a mechanism. In the first
+/// variants the root bodies are displaced by 0, 1, 10, ..., 1e6 m from their poses in the mechanism. In the
+/// others the inertia of the last body is multiplied by 10, 100, 1e3 and 1e4. The errors are differences from
+/// the results in long double.
 std::vector<RoundingErrors> rounding_errors(const Model& model);
 
 }  // namespace axode::command
