@@ -39,9 +39,10 @@ class Composition {
   Recording with(const std::string& result, Traces results);
 
  private:
-  /// The derivatives of the results of `made` along a direction of the arguments. `made` is a recording (a
-  /// list of operations) of the function that is being composed here. Entry k of `direction` is the direction
-  /// of argument k. Only the operations k with need[k] are differentiated.
+  /// The derivatives of the results of `made` along a direction of the arguments. `made` has a copy of the
+  /// list of operations that this composition has recorded so far, and its results are the numbers to be
+  /// differentiated. Entry k of `direction` is the direction of argument k. Only the operations k with
+  /// need[k] are differentiated.
   Traces along(const Recording& made, const std::vector<char>& need, std::span<const Traces> direction) const;
   /// The index of the node of an entry of an argument.
   std::size_t node(std::size_t argument, std::size_t entry) const;
