@@ -28,10 +28,10 @@ class ContactJets {
  public:
   explicit ContactJets(ContactShapes shapes);
 
-  /// Returns the ContactJet of the contact with the given key. Returns null if contact points of its pair of
-  /// shapes have no closed form, or if no point with this key has a gap below the margin. `C` has the poses
-  /// of the internal frames (joint frames) of all bodies (n_bodies + 1 entries). The pointer is valid until
-  /// the next call.
+  /// Returns the contact point with the given key and its derivatives. Returns null if contact points of its
+  /// pair of shapes have no closed form, or if the pair has no point with this key whose gap is below
+  /// `margin` (m). `C` has the poses of the internal frames (joint frames) of all bodies (n_bodies + 1
+  /// entries). The pointer is valid until the next call.
   const ContactJet* find(std::uint64_t key, std::span<const SE3<>> C, double margin) noexcept;
   /// Whether the contact points of the pair of the last find() have a closed form.
   bool closed_form() const { return closed_; }
@@ -42,7 +42,7 @@ class ContactJets {
   /// The names of the two shapes of a contact, as text for messages.
   std::string names(std::uint64_t key) const;
   /// Forgets the points of the last pair of shapes. It must be called before find() is called with other
-  /// poses or another limit of the gap.
+  /// poses or another margin.
   void restart() noexcept { i_ = -1; }
 
  private:

@@ -37,13 +37,14 @@ class ParameterChanges {
 
   explicit ParameterChanges(const Model& model);
 
-  /// Computes the changes of momenta and forces along the p directions `along` at a state (q, v), nv × p
-  /// each.
+  /// Computes `momenta`, `forces` and `gravity` at a state (q, v), nv × p numbers each: the derivatives of
+  /// the momenta M v, of ∂T/∂q with the kinetic energy T, and of the generalised forces of gravity. Each
+  /// column is for one of the p directions `along`, in which the parameters of the mechanism change.
   void run(const double* q, const double* v, const ParameterDirections& along);
 
-  Changes momenta;  ///< of M v
-  Changes forces;   ///< of ∂T/∂q, the derivative of the kinetic energy T at constant v
-  Changes gravity;  ///< of the generalised forces of gravity
+  Changes momenta;  ///< changes of M v
+  Changes forces;   ///< changes of ∂T/∂q, the derivative of the kinetic energy T at constant v
+  Changes gravity;  ///< changes of the generalised forces of gravity
   /// mass() is the change of the mass of the subtree of a body (1 × p, kg), and center() that of the
   /// centre of mass of the subtree in inertial axes (3 × p, m), along the p directions of the last call of
   /// run().
