@@ -3,12 +3,14 @@
 #include "axode/lie/mat3.hpp"
 
 /// Derivatives of body wrenches when a subtree is displaced along a screw J, which may be a joint screw or
-/// any other one. All quantities are in inertial axes and about one point O for each tree.
+/// any other one. All quantities are in inertial axes and about a point O, the present origin of the root
+/// body of the branch, which is the body of the branch that is joined to the ground.
 ///
 /// In a frame that is displaced with the subtree, only the motion of the base of the subtree changes: by the
-/// velocity ψ' and the acceleration ψ'', the time derivatives of J as a screw that is fixed to the body
-/// before it. This changes the wrench of a body with the inertia M and the twist V by M ψ'' + B ψ', where B X
-/// = M' X - ad_Xᵀ M V is the Coriolis force for the twists V and X.
+/// velocity ψ' and the acceleration ψ''. These are the first two time derivatives of J as a screw that is
+/// fixed to the predecessor of the first body of the subtree. They change the wrench of each body of the
+/// subtree, with the inertia M and the twist V, by M ψ'' + B ψ'. The matrix B is the Coriolis inertia of the
+/// body: for a twist X, B X = M' X - ad_Xᵀ M V with the time derivative M' of M.
 namespace axode {
 
 /// A six-vector of se(3) in inertial axes about a point O, which may be a twist, the rate of a twist, a screw
@@ -25,15 +27,17 @@ template <class T> struct CarriedScrew {
       : first(ad(V_p, J)), second(ad(dV_p, J) + ad(V_p, first)) {}
 };
 
-/// The Coriolis inertia B = 2 [[D, 0], [-p~, 0]] of rigid bodies, each with its own twist. It has 12 numbers,
-/// which can be summed over bodies. For mass elements dm with the position r and the velocity r', let E = ∫
-/// r' rᵀ dm; then D = tr(E) 1 - E, p = ∫ r' dm, and B X = 2 ∫ (r × (w × r'); w × r') dm for a twist X = (w;
-/// v). See (D1.9) to (D1.12) of docs/derivations.
+/// The Coriolis inertia B = 2 [[D, 0], [-p~, 0]] of rigid bodies, each with its own twist. For a twist X =
+/// (w; v), B X is the wrench that gives the mass elements dm, with the position r and the velocity r', the
+/// Coriolis acceleration 2 w × r': B X = 2 ∫ (r × (w × r'); w × r') dm. Hence D = tr(E) 1 - E with E = ∫ r'
+/// rᵀ dm, and p = ∫ r' dm. These 12 numbers can be summed over bodies. See (D1.9) to (D1.12) of
+/// docs/derivations.
 template <class T> struct CoriolisInertia {
   Mat3<T> D;
   Vec3<T> p;
 
-  /// The Coriolis inertia of one body with the inertia M about O and the twist V.
+  /// The Coriolis inertia of one body with the inertia M and the twist V, both in inertial axes about the
+  /// point O.
   static constexpr CoriolisInertia of(const Inertia<T>& M, const Motion6<T>& V) {
     const Mat3<T> E = cross(V.w, matrix(binet_tensor(M.Theta))) + outer_product(V.v, M.h);
     return {
@@ -44,7 +48,7 @@ template <class T> struct CoriolisInertia {
     const Vec3<T> w = T(2) * X.w;
     return {D * w, cross(w, p)};
   }
-  /// The moment of the wrench Bᵀ X. The force of this wrench is 0.
+  /// The moment of the wrench Bᵀ X, with the Coriolis inertia B and a twist X. The force of this wrench is 0.
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }

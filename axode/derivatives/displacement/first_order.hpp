@@ -35,7 +35,8 @@ template <class T> struct FirstOrder {
         NtS(arena, 6, arena.topology().n_screws),
         own(arena.per_velocity<T>()) {}
 
-  /// Computes the ScrewEffects of all columns at a state.
+  /// Computes, for each joint screw, the screws and wrenches from whose products the derivatives of τ
+  /// follow (ScrewEffects), at a state (q, v) with the accelerations a.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, cast<T>(tree.g));
@@ -147,9 +148,12 @@ template <class T> struct FirstOrder {
   /// numbers
   ///   S_l|P_k,   S_l|R_k,   S_l|U_k,   U_k|ψ''_l + t_k·ω(ψ'_l),   U_k|σ_l + t_k·ω(S_l)
   /// of which ∂τ/∂q, ∂τ/∂v and ∂τ/∂a consist (D1.17). A bar means the power of a wrench on a screw, and
-  /// ω(X) is the angular part of a screw X. ScrewEffects has the screws S, ψ', ψ'' and σ, the wrenches U,
-  /// P and R, and the moment t of each joint screw. If there are loads, the fourth number also contains
-  /// (Nᵀ S)_k|S_l with the load stiffness N.
+  /// ω(X) is the angular part of a screw X. For a joint screw S these quantities are
+  ///   ψ' = [V_p, S],   ψ'' = [V'_p, S] + [V_p, ψ'],   σ = ψ' + [V, S],
+  ///   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F + N S,   R = M σ + B S,   and t, the moment of Bᵀ S.
+  /// V_p and V'_p are the twist of the predecessor and its rate, and V is the twist of the body that the
+  /// joint moves. M, B, F and N are the inertia, the Coriolis inertia, the wrench and the load stiffness of
+  /// the subtree. If there are loads, the fourth number also contains (Nᵀ S)_k|S_l.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them
@@ -200,11 +204,10 @@ template <class T> struct FirstOrder {
     Number q, v, a;
   };
   /// Computes entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a in adjacent columns, one column in each SIMD lane, for a
-  /// tree without couplings (D1.17). If the joint of a row is before that of the column on a path from the
-  /// ground, above() multiplies the joint screw S of the row with the wrenches P, R and U of the column.
-  /// If it is the joint of the column or in its subtree, below() multiplies the wrench U and the moment t
-  /// of the row with the screws ψ', ψ'', σ and S of the column. ScrewEffects defines these screws, the
-  /// wrenches and the moment t.
+  /// tree without couplings, from the quantities of ScrewEffects (D1.17). If the joint of a row is before
+  /// that of the column on a path from the ground, above() multiplies the joint screw S of the row with the
+  /// wrenches P, R and U of the column. If it is the joint of the column or in its subtree, below()
+  /// multiplies the wrench U and the moment t of the row with the screws ψ', ψ'', σ and S of the column.
   struct Columns {
     Arrays<T> effect, NtS;  // copies, so that the compiler knows that no result overwrites them
     Number screws[psi_2 + 12], psi_1_of[3], wrenches[18];

@@ -16,8 +16,10 @@ template <class T> struct MomentumEffects {
 
   static constexpr int size = 36;  ///< number of numbers
 
-  /// Computes the screws psi and eta and the wrenches U, D and A for a joint screw S. M and Pi are the
-  /// inertia and the momentum of its subtree, V_p is the twist of the predecessor and V that of the body.
+  /// Computes, for a joint screw S, the screws and wrenches
+  ///   ψ = [V_p, S],   η = [V, S],   U = M S,   D = M ψ - ad_Sᵀ Π,   A = M η - ad_Sᵀ Π.
+  /// M and Π are the inertia and the momentum of the subtree that the joint moves, V_p is the twist of the
+  /// predecessor, and V is the twist of the body.
   static constexpr MomentumEffects of(const Inertia<T>& M, const Wrench<Spatial, T>& Pi, const Motion6<T>& S,
                                       const Motion6<T>& V_p, const Motion6<T>& V) {
     const auto times_M = [&](const Motion6<T>& X) {
@@ -30,9 +32,9 @@ template <class T> struct MomentumEffects {
   }
 };
 
-/// Computes the derivatives of the momentum form: those of the velocities v = M⁻¹ p and of the rates p' of
-/// the momenta p = M v by q and p, with the mass matrix M. They follow from the derivatives of M v and p' as
-/// functions of (q, v) ((D5.5) of docs/derivations).
+/// Computes the derivatives of the velocities v = M⁻¹ p, and of the rates p' of the momenta p = M v, with
+/// respect to q and p, with the mass matrix M. They follow from the derivatives of M v and p' as functions of
+/// (q, v) ((D5.5) of docs/derivations).
 template <class T> struct MomentumFirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -91,9 +93,10 @@ template <class T> struct MomentumFirstOrder {
     return verdict;
   }
 
-  /// Computes derivatives of the momenta p = M v and of their rates p' for the kinetic energy of the bodies
-  /// alone, without gravity, loads and armatures: Mv_q is ∂(M v)/∂q, F_q is ∂p'/∂q and F_v is ∂p'/∂v. They
-  /// are nv × nv numbers each, [component, direction].
+  /// Computes the matrices Mv_q = ∂(M v)/∂q, F_q = ∂F/∂q and F_v = ∂F/∂v, nv × nv numbers each, [component,
+  /// direction]. M v and F are functions of (q, v), and M is the mass matrix without armatures. F = ∂T/∂q +
+  /// ad_vᵀ M v is the rate of M v without drive forces, gravity, loads and losses, where T is the kinetic
+  /// energy. ad_v is the Lie bracket of the configuration group; it is 0 for joints with one velocity (D5.2).
   void kinetic(const Tree<T>& tree, const T* q, const T* v_given, T* Mv_q, T* F_q, T* F_v) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     std::fill_n(zero, nv, T(0));
@@ -139,8 +142,11 @@ template <class T> struct MomentumFirstOrder {
 
   /// Writes to `line`, for joint screw l and each joint screw k from `begin` to `end` - 1, the six powers
   ///   S_l|D_k,   η_l|D_k,   η_l|U_k,   ψ_l|U_k,   ψ_l|A_k,   S_l|A_k
-  /// of which the derivatives of the momenta and of their rates consist (D5.4). MomentumEffects has the
-  /// screws S, ψ and η and the wrenches U, D and A of each joint screw.
+  /// of which the derivatives of the momenta and of their rates consist (D5.4). For a joint screw S these
+  /// quantities are
+  ///   ψ = [V_p, S],   η = [V, S],   U = M S,   D = M ψ - ad_Sᵀ Π,   A = M η - ad_Sᵀ Π.
+  /// A bar means the power of a wrench on a screw. V_p and V are the twists of the predecessor and of the
+  /// body, and M and Π are the inertia and the momentum of the subtree.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);

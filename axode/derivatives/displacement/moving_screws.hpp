@@ -9,8 +9,9 @@
 namespace axode {
 
 /// The inertia M, the Coriolis inertia B and the wrench F of a body, or their sums over bodies. The change of
-/// F follows from them when the bodies are displaced (D1.11). They are in inertial axes about one point for
-/// each tree.
+/// F follows from them when the bodies are displaced (D1.11). They are in inertial axes about the present
+/// origin of the root body, which is the body of the branch that is joined to the ground. For a twist X = (w;
+/// v), B X is the wrench that gives mass elements with velocities r' the Coriolis acceleration 2 w × r'.
 template <class T> struct MovingInertia {
   Inertia<T> M;
   CoriolisInertia<T> B;
@@ -59,10 +60,12 @@ template <class T> struct ScrewEffects {
 
   static constexpr int size = 42;  ///< number of numbers
 
-  /// Computes the screws ψ', ψ'' and σ, the wrenches U, P and R, and the moment t for a joint screw S,
-  /// with P = M ψ'' + B ψ' - ad_Sᵀ F, to which loads later add N S with their stiffness N. `moved` has the
-  /// inertia M, the Coriolis inertia B and the wrench F, summed over the subtree. V_p and dV_p are the
-  /// twist of the predecessor and its rate, and V is the twist of the body.
+  /// Computes for a joint screw S the quantities
+  ///   ψ' = [V_p, S],   ψ'' = [V'_p, S] + [V_p, ψ'],   σ = ψ' + [V, S],
+  ///   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F,   R = M σ + B S,   and t, the moment of Bᵀ S.
+  /// `moved` has the inertia M, the Coriolis inertia B and the wrench F, summed over the subtree. V_p and
+  /// dV_p are the twist of the predecessor and its rate, and V is the twist of the body. If there are loads,
+  /// the caller must add N S to P, where N is the load stiffness of the subtree.
   [[gnu::always_inline]] static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S,
                                                           const Motion6<T>& V_p, const Motion6<T>& dV_p,
                                                           const Motion6<T>& V) {
@@ -184,14 +187,14 @@ template <class T> struct MovingScrews {
     moved.set3(moved.get3(i, MovingInertia<T>::force) - W.f, i, MovingInertia<T>::force);
   }
 
-  /// Sums MovingInertia over the subtree of each joint.
+  /// Sums the inertia, the Coriolis inertia and the wrench (MovingInertia) over the subtree of each joint.
   void compose(const Topology& topology) noexcept { moved.sum_subtrees(topology); }
   /// The wrench that the joint of body i transmits to the body, after compose().
   Wrench<Spatial, T> transmitted(int i) const {
     return {moved.get3(i, MovingInertia<T>::moment), moved.get3(i, MovingInertia<T>::force)};
   }
 
-  /// The columns from c on, one in each lane.
+  /// The joint screws c, c + 1, ... and the motions that belong to them, one in each SIMD lane.
   [[gnu::always_inline]] MovingColumn<Number> columns_from(int c) const {
     typename NumberRows<T, 32>::Components x;
     columns.load([c](int l) { return c + l; }, x);
@@ -207,13 +210,16 @@ template <class T> struct MovingScrews {
     bodies.load([&](int l) { return body_of[std::min(c + l, n_columns - 1)]; }, x);
     return {bodies.vector(x, OfBody::dw), bodies.vector(x, OfBody::dv)};
   }
-  /// MovingInertia of the bodies from i on, one body in each lane, before compose().
+  /// The inertia, the Coriolis inertia and the wrench (MovingInertia) of the bodies i, i + 1, ..., one body
+  /// in each SIMD lane. It must be called before compose().
   MovingInertia<Number> bodies_from(int i) const {
     return in_lanes([i](int l) { return i + l; });
   }
-  /// The inertia, the Coriolis inertia and the wrench of the subtrees that the joint screws c, c + 1, ...
-  /// move, one subtree in each SIMD lane. compose() must have summed them over the subtrees before. Lanes
-  /// beyond the last of all `n_columns` joint screws repeat the last one.
+  /// The inertia, the Coriolis inertia B and the wrench of the subtrees that the joint screws c, c + 1, ...
+  /// move, one subtree in each SIMD lane. For a twist X = (w; v), B X is the wrench that gives mass
+  /// elements with velocities r' the Coriolis acceleration 2 w × r'. compose() must have summed the three
+  /// quantities over the subtrees before. Lanes beyond the last of all `n_columns` joint screws repeat the
+  /// last one.
   [[gnu::always_inline]] MovingInertia<Number> subtrees_of_columns(int c, int n_columns) const {
     return in_lanes([&](int l) { return body_of[std::min(c + l, n_columns - 1)]; });
   }

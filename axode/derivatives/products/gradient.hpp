@@ -24,7 +24,7 @@ template <class G, class T> struct InverseDynamicsGradient {
     Vector r;
     Vector m, f;         ///< transmitted wrench F
     Vector A_m, A_f;     ///< sum A of the wrenches M Λ over the subtree, with the inertias M
-    Vector H, n_m, n_f;  ///< see (D1.21)
+    Vector H, n_m, n_f;  ///< moment H and wrench n of (D1.21): sums of Bᵀ Λ and Nᵀ Λ over the subtree
   };
   JointAngles<T> angles;
   Motion* motion;
@@ -93,10 +93,11 @@ template <class G, class T> struct InverseDynamicsGradient {
     }
   }
 
-  /// Subtracts a load W from the wrench of body i, and n from the wrench n of this body in (D1.21). Let Λ
-  /// be the twist that the body would have if the joints moved with the weights λ of λ·τ as velocities.
-  /// The argument n is the gradient of the power W | Λ with respect to a displacement of the body, by
-  /// which W changes but not Λ.
+  /// Takes a load W on body i into account. It must be called after forward() and before backward(). It
+  /// subtracts W from the wrench that the body needs for its motion, and the argument `n` from the wrench
+  /// (n_m; n_f) of the body, which backward() sums over subtrees (D1.21). The argument `n` is the gradient of
+  /// the power W | Λ with respect to a displacement of the body, by which W changes but not Λ. Λ is the twist
+  /// that the body would have if the joints moved with the weights λ of λ·τ as velocities.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);
