@@ -8,17 +8,19 @@
 
 namespace axode {
 
-/// A norm of velocities whose units differ (rad/s, m/s): |v| = √Σ m_c v_c², where m_c is a bound on the
-/// inertia M_cc of velocity c, so that v_c counts by its energy. For momenta and forces the dual norm is |p|
-/// = √Σ p_c²/m_c, by which |M v| has the size of |v|. Velocities without inertia are ignored.
+/// A norm of velocities whose units differ (rad/s, m/s): |v| = √Σ m_c v_c². The constant m_c estimates the
+/// diagonal entry M_cc of the mass matrix M, so that v_c counts by its kinetic energy. For momenta and forces
+/// the dual norm is |p| = √Σ p_c²/m_c, by which |M v| has the size of |v|. Velocities with m_c = 0 are
+/// ignored.
 class EnergyNorm {
  public:
   using Vector = Eigen::VectorXd;
   using Argument = Eigen::Ref<const Vector>;
 
-  /// Constructs the norm from the bounds m_c of the inertias, one for each velocity.
+  /// Constructs the norm from the inertias m_c, one for each velocity, kg m² or kg.
   explicit EnergyNorm(const Vector& inertia);
-  /// Constructs the norm with the bounds m_c of the inertias of a tree.
+  /// Constructs the norm for the velocities of a tree. m_c is an upper bound of M_cc at q = 0. For a velocity
+  /// that coupled joints share, m_c is the sum of the bounds of these joints, each times its squared ratio.
   explicit EnergyNorm(const Tree<double>& tree);
 
   double of_velocities(const Argument& v) const;

@@ -17,8 +17,8 @@
 namespace axode {
 
 /// Takes equal steps from the present time to `until`; the last one may be shorter. take(t_1) computes the
-/// step to t_1; if it fails, the motion ends. Throws std::invalid_argument if there are more than
-/// `most_steps`, whose states no memory holds.
+/// step to t_1; if it fails, the motion ends. Throws std::invalid_argument if more than 1e9 steps would be
+/// needed, because their states do not fit in memory.
 template <class Run, class Take> void each_step(Run& run, double until, double step, const Take& take) {
   if (run.done()) return;
   constexpr double most_steps = 1e9;

@@ -93,25 +93,28 @@ class FloatingBases {
       write(root, Wrench<Spatial>{Pi.m, root.constant ? Vec3<>{} : Pi.f}, y);
     }
   }
-  /// Computes the joint momenta p of the floating bases from the states y.
+  /// Computes the joint momenta p of the floating bases from their spatial momenta in y.
   void to_momenta(const double* q, const double* y, double* p) const {
     for (const Root& root : roots_) write(root, coAd_inv(pose(root, q), read<Spatial>(root, y)), p);
   }
   /// Computes the rates y' of the spatial momenta of the floating bases from f = p' - ad_vᵀ p with their
-  /// joint momenta p. They are 0 unless a load or drive acts on the bases (`pushed`).
+  /// joint momenta p. The momenta y and p are relative to the moving frames, which fall with gravity, so that
+  /// gravity does not change them. Hence y' is 0 unless a load or a drive acts on a floating base (`pushed`).
   void rates(const double* q, bool pushed, const double* f, double* dy) {
     for (Root& root : roots_) {
       write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);
       root.constant = root.constant && !pushed;
     }
   }
-  /// Advances the spatial momenta y of the floating bases by a time h with the forces f; f becomes y'.
+  /// Advances the spatial momenta y of the floating bases by a time h (s) with the rates y' that rates()
+  /// computes from f; these rates are written to f.
   void advance(const double* q, double h, bool pushed, double* f, double* y) {
     rates(q, pushed, f, f);
     for (const Root& root : roots_)
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
-  /// Moves bases so that centres of mass that rest in moving frames have no errors.
+  /// Translates each floating base whose centre of mass rests in its moving frame, so that the centre of mass
+  /// is exactly where it was at the last place().
   void restore_centers(double* q) {
     if (std::ranges::none_of(roots_, &Root::constant)) return;
     ends_->run(*tree_, q);

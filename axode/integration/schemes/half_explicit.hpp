@@ -16,9 +16,12 @@ namespace axode {
 /// q_0 ⊕ θ_i, the velocity V_i, the forces f, the Jacobian B_i of joints and loops, and multipliers λ_i:
 ///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = s'_{i+1},
 ///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i,
-/// and the states of drives x_{i+1} = x_0 + h Σ a_ij F_j with their rates F_i. s' are the rates of prescribed
-/// motions, 0 for all other rows. Velocities satisfy the constraints; positions may leave them by O(h⁴) in a
-/// step, and are then projected.
+/// and the states of drives x_{i+1} = x_0 + h Σ a_ij F_j with their rates F_i. The stages are i = 1, 2, 3,
+/// and the sums are over j = 1, ..., i. The first stage is the start of the step, with θ_1 = 0, V_1 = v_0 and
+/// x_1 = x_0; θ_4, V_4 and x_4 are the results. Hence a_ij is the entry in row i + 1 of the Butcher tableau,
+/// whose last row has the weights of the method. s' are the rates of prescribed motions, 0 for all other
+/// rows. Velocities satisfy the constraints; positions may violate them by O(h⁴) in a step, and are then
+/// projected.
 ///
 /// System is the class of the mechanism, for example an AbsoluteSimulationRun. Its member functions are
 /// bodies(), which returns the AbsoluteSystem with M and the constraints; factorize(t, q), which factorises

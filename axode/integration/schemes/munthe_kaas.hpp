@@ -8,13 +8,15 @@
 
 namespace axode {
 
-/// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y the velocities
-/// v or the momenta, and possibly other states. States have numbers of the type T, the tree of the type S.
-/// With the coefficients a_ij and c_i of a Tableau, stage i has
+/// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y). The configuration q is on the group of
+/// the tree, and y has the velocities v or the momenta, and possibly other states. T is the type of the
+/// numbers in (q, y), and S is that of the numbers in the tree. With the coefficients a_ij and c_i of a
+/// Tableau, stage i has
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
 ///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
-/// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates. With one stage the method is Euler's; if y = v, it is
-/// then semi-implicit: q moves with the new v.
+/// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates. With one stage the method is Euler's. As an exception
+/// from these formulas, Euler's method for y = v is semi-implicit: q moves along h v with the velocity v at
+/// the end of the step.
 template <class T = double, class S = T> class MuntheKaas {
  public:
   using Vector = std::vector<T>;
