@@ -33,9 +33,10 @@ void check(const Model& model, std::span<const Real> q, const char* argument, do
   }
 }
 
-/// Throws std::invalid_argument if one of `results` is not finite. The message names the joint to which the
-/// number belongs, and the argument `step`. `first` and `count` are the members of Joint that say where a
-/// joint's numbers begin and how many they are.
+/// Throws std::invalid_argument if one of `results` is not finite. The message begins with `step`, the name
+/// of the vector from which the results were computed, such as "dq", and names the joint to which the number
+/// belongs. `first` and `count` are the members of Joint that contain the index of the joint's first number
+/// in `results` and the number of its entries.
 void check_finite(const Model& model, const char* step, int Joint::*first, int Joint::*count,
                   std::span<const double> results) {
   for (const Joint& joint : model.joints()) {

@@ -186,7 +186,8 @@ struct FrameDescription {
 };
 
 /// A spring and a damper in parallel. Its kind determines the coordinate (a length or an angle) on which the
-/// force depends; for the default kind this is the distance of two points. Springs act in simulations.
+/// force depends; for the default kind this is the distance of two points. Simulations, linearisations and
+/// equilibria take the forces of springs into account; inverse and forward dynamics leave them out.
 struct SpringDescription {
   /// A point of a tendon. `on` is the name of a body, of a named frame, or "ground".
   struct Point {

@@ -95,9 +95,10 @@ struct Loop : LoopRows {
   /// Length of a rod or radius of a rolling body, m; cosine between the axes of a universal joint.
   double size = 0;
   bool wheel = false;  ///< whether the rolling body is a wheel
-  /// The radii of the two pulleys of a belt, m. Their signs say to which side of each pulley the span between
-  /// the pulleys leads: a radius is negative if the pulley turns clockwise about the axis when this span
-  /// moves from the first pulley towards the second.
+  /// The radii of the two pulleys of a belt, m. The loop joint is one straight span of the belt. A radius is
+  /// negative if its pulley turns clockwise about the z-axis of the joint frame on the first body when
+  /// the belt runs along this span from the first pulley to the second. The signs thus determine on which
+  /// side of each pulley the span touches it. The axes of both pulleys are parallel to this z-axis.
   std::array<double, 2> radii = {};
 };
 

@@ -117,17 +117,17 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
-/// A path from a joint towards the ground that passes a given body or begins at it. The joint is `leader`, or
-/// a joint that is coupled to `leader` and shares its velocity. `from` is the child of the body through which
-/// the path comes, or the body itself if the path begins at it.
+/// A path from the body of a joint towards the ground that comes to a given body or begins at it. The joint
+/// is `leader`, or a joint that is coupled to `leader` and shares its velocity. `from` is the child of the
+/// body through which the path comes, or the body itself if the path begins at it.
 struct Arrival {
   int leader, from;
 };
 
-/// For each body, the paths of coupled joints that pass it or begin at it, sorted by their leaders. A path
-/// begins at a leader l, a joint to which others are coupled, or at a joint that is coupled to l and shares
-/// its velocity. It leads towards the ground and ends at the body meets[l], where all paths with the leader l
-/// meet.
+/// For each body, the paths of coupled joints that come to it or begin at it, sorted by their leaders. A path
+/// begins at the body of a leader l, a joint to which others are coupled, or of a joint that is coupled to l
+/// and shares its velocity. It leads towards the ground and ends at the body meets[l], where all paths with
+/// the leader l meet.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));
@@ -143,12 +143,15 @@ std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const
   return all;
 }
 
-/// The ties of body i: the shared velocities of coupled joints for which a path from one of these joints
-/// towards the ground passes the body or begins at it. For each tie, `leaders` has the joint to which the
-/// velocity belongs, and `group` the smallest index of a tie in the same group. Two ties are in the same
-/// group if their paths come through the same child, or if each of their paths goes on to the predecessor or
-/// begins at the body. Groups that have a tie in common are one group. In the elimination of velocities,
-/// inertias couple ties of the same group only.
+/// The ties of body i: the velocities that coupled joints share and that have a path to the body. For each
+/// joint that shares a velocity, a path leads from the body that the joint moves towards the ground, up to
+/// the body where all paths of the velocity meet. For each tie, `leaders` has the joint to which the velocity
+/// belongs, and `group` the smallest index of a tie in the same group. Two ties are in the same group
+///   - if a path of one velocity and a path of the other come to the body through the same child, or
+///   - if each of the two velocities is that of the body's own joint, or has paths that go on from the body
+///     to its predecessor.
+/// Groups that have a tie in common are one group. In the elimination of velocities, inertias couple ties of
+/// the same group only.
 struct Groups {
   std::vector<int> leaders, group;
 

@@ -53,13 +53,15 @@ struct Topology {
   std::vector<int> velocity_parent;
 
   /// Data for the elimination of velocities that several coupled joints share, in a sweep from the leaves to
-  /// the ground. A shared velocity is eliminated at the body where the paths from its joints to the ground
-  /// meet. A tie is a pair of a shared velocity and a body on these paths, from the joints' bodies to the
-  /// body where they meet.
+  /// the ground. For each joint that shares a velocity, a path leads from the body that the joint moves
+  /// towards the ground. All paths of a velocity end at the body where they meet; there the velocity is
+  /// eliminated. A tie is a pair of a shared velocity and a body on one of its paths.
   ///
   /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. The elimination couples two
-  /// ties of a body only if they are in the same group. Two ties are in the same group if their paths come
-  /// through the same child, or if each of their paths goes on to the predecessor or begins at the body.
+  /// ties of a body only if they are in the same group. Two ties of a body are in the same group
+  ///   - if a path of one velocity and a path of the other come to the body through the same child, or
+  ///   - if each of the two velocities is that of the body's own joint, or has paths that go on from the body
+  ///     to its predecessor.
   /// Groups that have a tie in common are one group. Ties of a group are consecutive. Vectors without a size
   /// in their comment have one entry per tie.
   struct Ties {

@@ -45,9 +45,10 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   std::shared_ptr<const Topology> topology_;
 };
 
-/// The requirements of recursions on the type of a tree. It has integers that are accessed by an arrow, as in
-/// `tree->parent[i]`, joints by each_joint(), the poses B of bodies relative to their predecessors at q = 0,
-/// and inertias M. The body frames may be any frames.
+/// The requirements of recursions on the type of a tree. All members of Topology are accessed by an arrow, as
+/// in `tree->parent[i]`. Real-valued data are accessed by a dot, as in `tree.B[i]`; B are the poses of bodies
+/// relative to their predecessors at q = 0, and M are the inertias. A function each_joint(tree, f) must call
+/// f for the joint of every body. The body frames may be any frames.
 template <class X, class T>
 concept TreeOf = requires(const X& tree, int i) {
   { tree->parent[i] } -> std::convertible_to<int>;
