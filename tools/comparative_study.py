@@ -3,10 +3,12 @@
     tools/comparative_study.py build/release/axode                              # prints the tables
     tools/comparative_study.py build/release/axode docs/comparative-study.md
     tools/comparative_study.py build/release/axode docs/comparative-study.md --counts
+    tools/comparative_study.py build/release/axode docs/comparative-study.md --second-processor
 
 The numbers are those of `axode study` for chains of hinges, and for the arm and the humanoid of examples/robots. The
 second line also draws the plot beside the page. Times need a machine that does nothing else; the third line writes
-only the tables without times.
+only the tables without times. The fourth line, on a machine of another kind, writes only the table that compares its
+times with those of the page.
 """
 
 import argparse
@@ -28,6 +30,7 @@ PARALLEL = ["chain7", "chain36", "chain100", "humanoid"]
 PER_HINGE = ["inverse_dynamics", "forward_dynamics"]
 PER_BODY = ["inverse_dynamics", "forward_dynamics", "mass_matrix"]
 REPRESENTATIONS = ["body", "spatial", "hybrid", "mixed"]
+RUNS = 8  # of the study on a second processor, of which the least times count
 KINDS = ["mul", "add", "div", "sqrt", "sin_cos"]
 
 
@@ -191,13 +194,56 @@ def timed(command, folder):
     return parts
 
 
+def times_of_page(page, algorithm):
+    """The microseconds in the table of an algorithm, as {(model, frames, representation): time}."""
+    found, last = {}, ""
+    for line in Page(page).text(algorithm).splitlines()[2:]:
+        frames, representation, *cells = (cell.strip() for cell in line.strip("|").split("|"))
+        last = frames or last
+        for model, text in zip(MODELS, cells, strict=True):
+            found[model, last, representation] = float(text.split("·")[1])
+    return found
+
+
+def second_processor(command, folder, page):
+    """The table of times in joint frames, as parts of the body-fixed time: on the page, and on this machine."""
+    paths = drawings(command, folder)
+    models = ["chain7", "chain36", "humanoid"]
+    runs = [efforts(studied(command, {model: paths[model] for model in models})) for _ in range(RUNS)]
+
+    def least(model, algorithm, name):
+        return min(rows[model, algorithm, "joint", name]["ns"] / 1000 for rows in runs)
+
+    lines = []
+    for algorithm in TIMED:
+        first = times_of_page(page, algorithm)
+        for name in [*REPRESENTATIONS, "fast"]:
+            lines.append([algorithm.replace("_", " ") if name == "body" else "", name] + [
+                f"{first[model, 'joint', name] / first[model, 'joint', 'body']:.2f} · "
+                f"{least(model, algorithm, name) / least(model, algorithm, 'body'):.2f}" if name != "body" else
+                f"{first[model, 'joint', name]:.2f} · {least(model, algorithm, name):.2f} µs" for model in models])
+    cpuinfo = Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    processor = next(line.split(":")[1].strip() for line in cpuinfo.splitlines() if line.startswith("model name"))
+    return table(["algorithm", "representation", *models], lines, "--:::") + (
+        f"\nThe second numbers are of an {processor}, {datetime.date.today()}.\n")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", type=Path, help="the command axode, of a release build")
     parser.add_argument("page", type=Path, nargs="?", help="the page to refresh, docs/comparative-study.md")
     parser.add_argument("--counts", action="store_true", help="only the tables without times")
+    parser.add_argument("--second-processor", action="store_true",
+                        help="only the table that compares the times of this machine with those of the page")
     arguments = parser.parse_args()
     command = arguments.command.resolve()
+    if arguments.second_processor:
+        if not arguments.page:
+            parser.error("--second-processor needs the page with the times of the first processor")
+        with tempfile.TemporaryDirectory() as folder:
+            text = second_processor(command, Path(folder), arguments.page)
+        Page(arguments.page).part("second processor", text)
+        return
     with tempfile.TemporaryDirectory() as folder:
         parts = counted(command, Path(folder)) | rounding(command, Path(folder)) | drift(command, Path(folder))
         if not arguments.counts:

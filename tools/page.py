@@ -9,16 +9,24 @@ class Page:
     def __init__(self, file):
         self.file = file
 
+    def find(self, name):
+        """The text of the page, and where a part of it begins and ends."""
+        page = self.file.read_text(encoding="utf-8")
+        found = list(re.finditer(f"{re.escape(f'<!-- {name} -->')}\n(.*?)<!-- end -->", page, flags=re.DOTALL))
+        if len(found) != 1:
+            raise SystemExit(f"{self.file}: expected one part between <!-- {name} --> and <!-- end -->, found "
+                             f"{len(found)}; the command writes between these lines")
+        return page, *found[0].span(1)
+
+    def text(self, name):
+        """The text of a part."""
+        page, begin, end = self.find(name)
+        return page[begin:end]
+
     def part(self, name, text):
         """Replaces the text of a part."""
-        begin, end = re.escape(f"<!-- {name} -->\n"), re.escape("<!-- end -->")
-        before = self.file.read_text(encoding="utf-8")
-        after, found = re.subn(f"({begin}).*?({end})", lambda match: match[1] + text + match[2], before,
-                               flags=re.DOTALL)
-        if found != 1:
-            raise SystemExit(f"{self.file}: expected one part between <!-- {name} --> and <!-- end -->, found {found}; "
-                             "the command writes between these lines")
-        self.file.write_text(after, encoding="utf-8")
+        page, begin, end = self.find(name)
+        self.file.write_text(page[:begin] + text + page[end:], encoding="utf-8")
 
     def table(self, name, header, rows):
         """Replaces a part by a table of which all columns but the first hold numbers, and prints it."""
