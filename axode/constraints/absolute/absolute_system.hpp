@@ -47,8 +47,9 @@ inline double largest_of(std::span<const double> numbers) {
 /// times that of another joint, its leader, and one row states this. A rotor whose velocity is not the rate
 /// of a coordinate has no residual.
 ///
-/// O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints: the free velocities are
-/// eliminated body by body, as in the articulated-body algorithm.
+/// One call of factorize() and one of solve() cost O(n + m d + m² d + m³) for n bodies and m loop equations
+/// on paths of d joints. They eliminate the velocities that the joints allow body by body, as the
+/// articulated-body algorithm does.
 class AbsoluteSystem {
  public:
   using Vector = std::vector<double>;
@@ -84,14 +85,15 @@ class AbsoluteSystem {
     prescribed_.assign(rows.begin(), rows.end());
   }
 
-  /// Compute the residuals Φ(q) of the constraints, and their rates B v - s' with the constraint Jacobian B
-  /// and prescribed velocities s', at any q. At the velocity level `out` has an entry for each row of B, 0 if
-  /// the row has no residual.
+  /// position_residual() computes the residuals Φ(q) of the constraints at any q. Nonholonomic constraints,
+  /// such as no-slip conditions, have no residual: at the position level `out` has no entry for them; at the
+  /// velocity level `out` has an entry for each row of the constraint Jacobian B, and their entries are 0.
+  /// velocity_residual() computes B v - s' for all rows of B, with the prescribed velocities s'.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
   /// Whether some constraints are nonholonomic, that is, have a row of the constraint Jacobian B but no
-  /// residual. set_nonholonomic_rates() sets their entries of `out`, which has an entry for each row of B, to
-  /// the rates B v of the constraints times `scale`, with the velocities v.
+  /// residual. set_nonholonomic_rates() sets the entries of `out` for these constraints to `scale` times
+  /// their rates, the product of their rows with the velocities v. `out` has an entry for each row of B.
   bool has_nonholonomic_rows() const {
     return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
   }
@@ -107,12 +109,15 @@ class AbsoluteSystem {
   /// dry friction act if loads.joint_losses is set.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
-  /// Evaluates the kinematics at q and factorises the linear system of mass matrix and constraint Jacobian at
-  /// the position or velocity level. factorize_with_rank() also determines which loop equations are redundant
-  /// at the velocity level, for this and later systems; the loops must be closed at q.
+  /// Evaluates the kinematics at q and factorises the linear system of solve(), with the mass matrix and the
+  /// constraint Jacobian. At the velocity level the Jacobian has rows for all constraints; at the position
+  /// level it has none for nonholonomic constraints, such as no-slip conditions. factorize_with_rank()
+  /// factorises the system at the velocity level and also determines which loop equations are redundant, for
+  /// this and later systems; the loops must be closed at q.
   Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
-  /// Factorises the linear system at the velocity level, with resistances of the joints (nv of the model)
-  /// that act like armatures: if joint velocity c changes by x_c, the joint exerts -resistance_c x_c.
+  /// Factorises the linear system of solve() with rows for all constraints, nonholonomic ones included, and
+  /// with resistances of the joints (nv of the model) that act like armatures: if joint velocity c changes by
+  /// x_c, the joint exerts -resistance_c x_c.
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
   /// Solves M x - Bᵀ λ = r and B x = rhs, with the mass matrix M and the constraint Jacobian B of the last
