@@ -28,7 +28,8 @@ template <class T> class AXODE_ENTRY DriveElimination {
 
  private:
   /// The matrix of the loop equations of one limb (a chain that carries the platform), with columns for its
-  /// velocities without a drive, those with a drive, and those of the joints between ground and platform.
+  /// velocities without a drive, then for those with a drive, and then for those of the joints on the path in
+  /// the spanning tree from the ground to the platform.
   struct Part {
     std::vector<int> passive, active;
     std::vector<int> rows;     ///< index in A of each row of the limb
@@ -37,19 +38,20 @@ template <class T> class AXODE_ENTRY DriveElimination {
     std::vector<T> mu;  ///< multipliers of the rows of `matrix` after the elimination
   };
   static int size(const std::vector<int>& of) { return static_cast<int>(of.size()); }
-  /// The index of the first column of a carrying velocity, which is a velocity of a joint between the ground
-  /// and the platform.
+  /// The index of the first column in Part::matrix for a velocity of the joints on the path in the spanning
+  /// tree from the ground to the platform.
   static int carrying_column(const Part& part) { return size(part.passive) + size(part.active); }
 
   void sort_velocities(const char* driven) noexcept;
   bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
-  /// Sets the multipliers of the loop equations of each limb (a chain that carries the platform) that are
-  /// left over after the elimination of the limb's velocities without a drive. The leftover equations of all
-  /// limbs are the rows of the matrix `remaining_`, from which the velocities without a drive of the joints
-  /// between the ground and the platform are eliminated in a second step. `nu` has the multipliers of the
-  /// rows of `remaining_` after this step. It also serves as scratch memory: its contents are lost.
+  /// Sets the multipliers of the loop equations that are left over after the velocities without a drive of
+  /// all limbs have been eliminated. A limb is a chain that carries the platform; the joints on the path in
+  /// the spanning tree from the ground to the platform are in no limb. The leftover equations are the rows of
+  /// the matrix `remaining_`, from which the velocities without a drive of the joints on this path are
+  /// eliminated in a second step. `nu` has the multipliers of the rows of `remaining_` after the second step;
+  /// its contents are lost.
   void set_remaining(T* nu) noexcept;
   /// Subtracts the constraint forces of loop equations from `forces` (nv), at the velocities with drives. If
   /// `only_remaining` is set, only those equations of each limb count that are left over after the
@@ -67,7 +69,7 @@ template <class T> class AXODE_ENTRY DriveElimination {
   Limbs limbs_;
   std::vector<char> driven_;
   std::vector<int> column_;  ///< nv: column of each velocity in the matrix of its limb, or its index among
-                             ///< the carrying velocities
+                             ///< the velocities of the joints between the ground and the platform
   std::vector<char> carries_;
   std::vector<int> carrying_passive_, carrying_active_;
   std::vector<Part> parts_;

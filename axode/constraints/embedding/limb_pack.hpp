@@ -16,7 +16,7 @@ struct LimbShape {
   int passive = 0;    ///< number of dependent velocities without a drive
   int inner = 0;      ///< number of other velocities of the limb
   bool coupled =
-      false;  ///< whether the mass matrix of the tree couples the limb with the carrying velocities
+      false;  ///< whether the mass matrix of the tree couples the limb with the platform's joint on the ground
   bool operator==(const LimbShape&) const = default;
 };
 
@@ -26,8 +26,8 @@ struct LimbShape {
 /// the dependent ones, which the equations determine; the inner ones, the other velocities of the limb, which
 /// neither the equations nor the platform determine; and the carrying ones, which are the velocities of the
 /// joint between the ground and the platform. Lanes without a limb have an identity matrix in the columns of
-/// the dependent velocities, so that their pivots are 1. Only code that is compiled for an instruction set
-/// may call the functions, because the number of lanes depends on the set.
+/// the dependent velocities, so that their pivots are 1. The number of lanes depends on the instruction set.
+/// All code that uses a pack must therefore be compiled for the same instruction set.
 class LimbPack {
   using L = Lanes<double>;
   using Number = L::Number;
@@ -85,9 +85,9 @@ class LimbPack {
 
   /// Reads the entries of the loop equations, and eliminates the dependent velocities of each limb one after
   /// the other. The pivot of a velocity is the largest entry of its column in the rows that remain. It must
-  /// be larger than `certain` times the larger of two numbers: `considerable`, and the largest entry of the
-  /// limb's equations at dependent velocities. Returns the index of a limb with too small a pivot; -1 if all
-  /// limbs are regular.
+  /// be larger than the relative tolerance `certain` times the larger of two numbers: the largest entry of
+  /// the limb's equations at dependent velocities, and `considerable`, a magnitude of entries that are no
+  /// rounding errors. Returns the index of a limb with too small a pivot; -1 if all limbs are regular.
   int resolve(const std::vector<std::vector<double>>& entries, double considerable, double certain) noexcept {
     fill(entries);
     Number size(considerable);
@@ -248,8 +248,9 @@ class LimbPack {
   /// Computes multipliers of the loop equations that are pivot rows of the dependent velocities without a
   /// drive, that is, from which the elimination determines these velocities. The constraint forces of these
   /// rows supply the joint forces f (nv) that the motion needs at the velocities without a drive (D18.7).
-  /// Subtracts the constraint forces of the same rows at the velocities of the joint between the ground and
-  /// the platform from `carrying` (D18.8).
+  /// `carrying` has the joint forces that the motion needs at the velocities of the joint between the ground
+  /// and the platform; the constraint forces of the same rows at these velocities are subtracted from it
+  /// (D18.8).
   void subtract_passive(const double* f, double* carrying) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.passive; ++j) x_.lane(j, l) = f[velocity(l, j)];
@@ -336,9 +337,12 @@ class LimbPack {
     for (int j = 0; j < columns(); ++j) exchange(A_, k * columns() + j, i * columns() + j);
     exchange(row_, k, i);
   }
-  /// Computes the product Fᵀ Q of each limb in the mass matrix of the task space, where F maps task
-  /// velocities to joint velocities and Q has `n` columns. If `first` is set, stores the product; otherwise
-  /// adds the product and its transpose to the stored matrix.
+  /// Computes the product Fᵀ Q for each limb, a part of the mass matrix of the task space. F maps task
+  /// velocities to the velocities of the limb, and Q has `n` columns. If `first` is set, Q is M F with the
+  /// mass matrix M of the limb's velocities; the product is symmetric and is stored. Otherwise Q is M N: M
+  /// has the entries of the tree's mass matrix that couple the limb with the joint between the ground and the
+  /// platform, and N maps the platform's task velocities to the velocities of this joint. Then the product
+  /// and its transpose are added to the stored matrix.
   void set_product(const Array& Q, int n, bool first) noexcept {
     const int m = motions();
     const auto product = [&](int r, int t) {

@@ -27,8 +27,8 @@ class AXODE_ENTRY TaskKernel {
     std::vector<int> velocities;  ///< dependent velocities, those without a drive first, and the inner ones
     std::vector<int> loops, rows;
     int dependent = 0;
-    bool coupled = false;  ///< whether the mass matrix of the tree couples this limb with the carrying
-                           ///< velocities
+    bool coupled = false;  ///< whether the mass matrix of the tree couples this limb with the joint between
+                           ///< the ground and the platform
     int inner() const { return static_cast<int>(velocities.size()) - dependent; }
   };
 
@@ -40,8 +40,8 @@ class AXODE_ENTRY TaskKernel {
   const Model& model() const { return system_.model(); }
   const std::vector<Part>& parts() const { return parts_; }
   const std::vector<int>& carrying() const { return carrying_; }
-  /// The number of independent carrying velocities. The carrying velocities are those of the joint between
-  /// the ground and the platform.
+  /// The number of velocities of the joint between the ground and the platform that can be chosen
+  /// independently under the loop equations: the degrees of freedom of the platform.
   int independent() const { return static_cast<int>(carrying_.size()) - dependent_; }
 
   /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the joint
@@ -100,8 +100,9 @@ class AXODE_ENTRY TaskKernel {
   void make_parts(const Limbs& limbs);
   void determine_ranks();
   /// Distributes the limbs over packs, which are computed in SIMD lanes. The limbs of a pack have the same
-  /// numbers of loop equations and of velocities of each kind. The columns of the velocities of the joint
-  /// between the ground and the platform get the present order of `carrying_`.
+  /// numbers of loop equations, of dependent velocities (which the loop equations determine) with and without
+  /// a drive, and of other velocities. The columns of the velocities of the joint between the ground and the
+  /// platform get the present order of `carrying_`.
   void make_packs();
   void choose_components();
   /// Orders `velocities` in three groups: the dependent velocities without a drive, the dependent ones with a
@@ -118,13 +119,13 @@ class AXODE_ENTRY TaskKernel {
   /// `dependent_` ones in `carrying_`, from the loop equations that remain after the elimination of the
   /// limbs' velocities. Returns whether the rank of these equations is certain in spite of rounding errors.
   bool eliminate_constraints() noexcept;
-  /// Computes the matrix N that maps task velocities to the velocities of the joint between the ground and
-  /// the platform. The task velocities are here the independent velocities of this joint, so that N is N_c of
-  /// (D18.4).
+  /// Computes the matrix N_c of (D18.4), which maps the independent velocities of the joint between the
+  /// ground and the platform to all velocities of this joint, and stores it in `N_`.
   void solve_constraints() noexcept;
   /// Replaces the task velocities, which are independent velocities of the joint between the ground and the
   /// platform, by the chosen components of the platform's twist: changes the matrix N that maps task
-  /// velocities to the velocities of the joint. Returns whether these components determine the motion.
+  /// velocities to the velocities of the joint (D18.5). Returns whether these components determine the
+  /// motion.
   bool change_to_components() noexcept;
   /// Computes the inertias of the bodies with the indices first, first + 1, ..., one in each SIMD lane. They
   /// are in inertial axes, about the origin of the first body on the path from the ground to each body.

@@ -30,8 +30,8 @@ std::string in_words(const Twist<Spatial>& V, double length) {
 
 /// The loop equations of limbs (chains that carry the platform) and the platform's twists, scaled with
 /// `length`, the mean distance of the loop joints on the platform from their centre `center`, such that
-/// rotations and translations can be compared: angular velocities and the loop equations of couples are
-/// multiplied by `length`. Twists are about `center`.
+/// rotations and translations can be compared: angular velocities, and loop equations whose constraint
+/// reaction is a pure couple, are multiplied by `length`. Twists are about `center`.
 class Scaled {
  public:
   Scaled(TaskKernel& kernel, std::span<const double> q) : kernel_(kernel), model_(kernel.model()) {

@@ -86,7 +86,7 @@ class TaskSpace {
   [[nodiscard]] TaskVerdict accelerations(std::span<const double> q, std::span<const double> v,
                                           std::span<const double> dV, std::span<double> a);
   /// Computes the drive forces τ (nv; 0 in passive joints) for the rates V' of the task velocities at (q, v)
-  /// (D18.9). If there are more drives than needed, τ is the least one.
+  /// (D18.9). If there are more drives than needed, τ has the least Euclidean norm.
   [[nodiscard]] TaskVerdict inverse_dynamics(std::span<const double> q, std::span<const double> v,
                                              std::span<const double> dV, std::span<double> tau,
                                              const Loads<double>& loads = {});
