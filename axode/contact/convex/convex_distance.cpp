@@ -62,11 +62,12 @@ void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   }
 }
 
-/// Computes the least distance of two cores (convex bodies without the balls that round them) that are apart.
-/// The distance is the least norm of b - a for points a and b of the two cores. The candidate c receives the
-/// unit normal n along b - a, the width s of the gap along n, the points, and the residual |b - a - s n|. But
-/// c keeps its own normal and width if this width is larger, or if both widths are equal to rounding and the
-/// residual of c is not larger. If the cores overlap, c does not change.
+/// Computes the least distance of two cores (convex bodies without the balls that round them) that are apart:
+/// the least norm of b - a for points a and b of the two cores. The result is a candidate: the unit normal n
+/// along b - a, the width s of the gap between the cores along n, the points, and the residual |b - a - s n|.
+/// The result replaces the candidate c if its width is larger than that of c, or equal to rounding with a
+/// smaller residual. Otherwise c keeps its normal and width, and takes only the points of the result if they
+/// make the residual of c smaller. If the cores overlap, c does not change.
 void approach(CorePair& pair, Candidate& c) noexcept {
   Candidate direct;
   direct.n = c.n;

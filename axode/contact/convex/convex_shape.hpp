@@ -4,12 +4,14 @@
 
 namespace axode {
 
-/// A convex body: the Minkowski sum of a core and a ball (D10.4). The core is a box, a cylinder, an ellipsoid
-/// or a polytope (hull). A sphere has a point as its core and a capsule a segment; both are stored as boxes.
-/// An ellipsoid has as its core a smaller ellipsoid; the radius of its ball is the least radius of curvature.
+/// A convex body: the Minkowski sum of a core and a ball (D10.4). The core is a box, a cylinder, a polytope
+/// (hull) or the inner part of an ellipsoid. A sphere has a point as its core and a capsule a segment; both
+/// are stored as boxes. The core of an ellipsoid is the set of all its points that are at least `radius` away
+/// from its surface, where `radius` is the least radius of curvature of the surface. The sum of this core and
+/// the ball is the whole ellipsoid.
 struct ConvexShape {
   enum class Core { box, cylinder, ellipsoid, hull } core = Core::box;
-  Vec3<> size{};       ///< half sizes of the core, or semi-axes of an ellipsoid, along the axes, m
+  Vec3<> size{};       ///< half sizes of the core, or semi-axes of the whole ellipsoid, along the axes, m
   double radius = 0;   ///< radius of the ball that is added to the core, m
   double extent = 0;   ///< radius of a ball about the origin that contains the body, m
   const Hull* hull{};  ///< the vertices of a core that is a hull; they must outlive the shape
