@@ -195,8 +195,10 @@ class AbsoluteSimulationRun {
     }
     return inertia;
   }
-  /// Computes the displacement, or the change of velocities, in the directions of constraint forces that
-  /// removes the residuals of the constraints (rows_), and writes it to x_.
+  /// Computes the change x = M⁻¹ Bᵀ λ of coordinates or velocities with B x = -r, which removes the residuals
+  /// r of the constraints (rows_), and writes it to x_. M is the mass matrix and B the constraint Jacobian of
+  /// the last factorisation, and λ are multipliers. Residuals of coordinates are removed to first order.
+  /// Changes the sign of rows_.
   void project() {
     as_eigen(rows_) *= -1;
     f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);

@@ -65,8 +65,9 @@ class MomentumSimulationRun : public SimulationRun {
     return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
   }
   /// close() projects p onto the momenta that keep the loops closed and follow the prescribed motions at time
-  /// t. close_places() projects q onto the configurations in which the loops are closed and the joints and
-  /// rods are where the prescribed motions have them at time t.
+  /// t. close_places() projects q onto the configurations in which the loops are closed and the prescribed
+  /// motions are followed at time t. A prescribed motion gives a joint coordinate, or the length of a rod (a
+  /// loop joint that keeps two points at a distance), as a function of time.
   Failure close(double t, const Vector& q_t, Vector& p) {
     if (!loops_) return {};
     loops_->set_time(t);

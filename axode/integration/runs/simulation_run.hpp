@@ -25,9 +25,11 @@ namespace axode {
 struct StepEnd {
   Eigen::VectorXd q, v, a = {}, x = {}, dx = {};
 };
-/// A function that computes the state at the end of a step from the present time to t_1. It must begin with a
-/// call of begin_step(), which resets what is known about an earlier attempt at the step, or end with one of
-/// check_sticking(), which does this too.
+/// A function that computes the state at the end of a step from the present time to t_1. For each computed
+/// acceleration, SimulationRun records the violation of dry friction and how near the loop equations are to
+/// linear dependence. The function must discard the records of earlier attempts at the step: it must begin
+/// with a call of begin_step(), which resets them, or end with one of check_sticking(), which resets them
+/// and, if joints stick, records them anew at the end of the step.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
 /// The part of a simulation in joint coordinates that all integration schemes share: trajectory and present
