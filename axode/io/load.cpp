@@ -66,8 +66,9 @@ io::Reading refuse_mjcf(std::string_view text, const std::string& file, Strictne
   return unread;
 }
 
-/// Chooses the reader of a file: by the ending of its name, or else by the root element if the content is
-/// XML. All other texts are read as drawings (TOML).
+/// Chooses the reader of a file by the ending of its name or, if the ending is not known, by the root element
+/// if the content is XML. All other texts are read as drawings, the library's text format (TOML) for
+/// mechanisms.
 Reader reader_for(const std::filesystem::path& file, std::string_view content) {
   const std::string extension = file.extension().string();
   if (extension == ".toml") return read_drawing;
@@ -99,9 +100,10 @@ Description held(Description description, Base base) {
   return description;
 }
 
-/// The faults of a file and of its description, sorted by line. If the file could not be read completely,
-/// warnings about the description and errors about missing names are left out, because they may be
-/// consequences.
+/// The faults that the reader of a file found, and those of the description of the mechanism that it read
+/// from the file, sorted by line. If the reader found an error, the description is incomplete. Then warnings
+/// about the description and errors about missing names are left out, because they may be consequences of
+/// this error.
 std::vector<Fault> all_faults(io::Reading reading, Base base, Strictness strictness) {
   std::vector<Fault> faults = std::move(reading.faults);
   const bool in_part = io::has_error(faults);
