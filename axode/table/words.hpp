@@ -133,8 +133,9 @@ struct Words {
   /// The units of the result; semicolons separate several results. A unit can depend on whether velocities,
   /// or the parts of six-vectors, are angular or linear. Then both units are listed, angular first, as in "N
   /// m, N". If it depends on two velocities or parts, units are listed by how many of the two are linear. "of
-  /// x" stands for the units of x. "per" stands for division by the unit of a direction, velocity, parameter
-  /// or displacement along the last axes of the result.
+  /// x" stands for the units of x. "per" stands for division by the unit of a direction, velocity, parameter,
+  /// displacement or impulse. For example, "of tau per unit of the direction" are the units of the
+  /// derivatives of tau by q, v and a.
   std::string_view units;
   List<Input, 8> takes;  ///< the inputs, in the order of the parameters in C++
   Decided<Choice> choice;
