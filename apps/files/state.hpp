@@ -8,8 +8,9 @@
 
 namespace axode::command {
 
-/// A state (q, v) of a model, and other arguments of functions of a state, such as accelerations and loads,
-/// in the order of the model's coordinates or velocities.
+/// A state (q, v) of a model, and other arguments of functions of a state. The numbers of q are in the order
+/// of the model's coordinates, those of all other vectors of numbers in the order of its velocities. Loads
+/// are wrenches on frames, and targets are poses of frames.
 struct State {
   std::vector<double> q, v, a;
   std::vector<double> jerk, snap;        ///< the derivatives of a
@@ -21,7 +22,7 @@ struct State {
   std::vector<PoseTarget> targets;
 };
 
-/// The rates of a state: v, a, jerk and snap, one after the other.
+/// The velocities v and their derivatives a, jerk and snap of a state, one vector after the other.
 std::vector<double> rates_of(const State& state);
 
 /// The state with every joint at zero and at rest, without forces.
@@ -36,13 +37,13 @@ State random_state(const Model& model, unsigned seed);
 ///
 ///     {"q": [0.1, 0.2], "v": {"elbow": 1}, "a": {}, "loads": [{"frame": "tool", "wrench": [0, 0, 0, 0, 0, 5]}]}
 ///
-/// The keys for numbers are q, v, a, jerk, snap, tau, the momenta p, the direction dq, dv, da, dtau of a
-/// directional derivative, and the weights w of a result. The value of each is an array in the order of the
-/// model or an object keyed by joint name. Missing numbers are those of the neutral configuration (0, or the
-/// quaternion of no rotation) for q, 1 for w and 0 for all others. "targets" are poses for inverse
-/// kinematics: a list of objects {"frame", "pose"}, where the pose is four rows of four numbers. Loads are
-/// wrenches on frames, by default in the representation "body". Throws InputError with all faults of the
-/// file.
+/// The keys for numbers are q, v, a, jerk, snap, the drive forces tau, the momenta p, the direction dq, dv,
+/// da, dtau of a directional derivative, and the weights w of the components of τ or a in a weighted sum, of
+/// which a gradient is computed. The value of each is an array in the order of the model or an object keyed
+/// by joint name. Missing numbers are those of the neutral configuration (0, or the quaternion of no
+/// rotation) for q, 1 for w and 0 for all others. "targets" are poses for inverse kinematics: a list of
+/// objects {"frame", "pose"}, where the pose is four rows of four numbers. Loads are wrenches on frames, by
+/// default in the representation "body". Throws InputError with all faults of the file.
 State read_state(const Model& model, const std::string& file);
 
 /// A sequence of states, for which `axode eval` computes quantities.
