@@ -19,9 +19,9 @@ class Composition {
   Traces argument(const std::string& name, int n);
   /// Adds the arguments of the function f and returns the entries of each.
   std::vector<Traces> arguments_of(const Recording& f);
-  /// Calls the recorded function f (a list of operations) in this composition: adds its operations with the
-  /// given arguments, and returns its results. If f reports that the mass matrix may be singular, the
-  /// composition reports this as well.
+  /// Calls the recorded function f (a list of operations) within the function that is being composed: records
+  /// the operations of f with the given arguments, and returns the results of f. If f reports that the mass
+  /// matrix may be singular, the composed function reports this as well.
   Traces operator()(const Recording& f, std::span<const Traces> arguments);
   Traces operator()(const Recording& f, std::initializer_list<Traces> arguments) {
     return (*this)(f, std::span(arguments.begin(), arguments.size()));
@@ -35,14 +35,15 @@ class Composition {
   /// is stored column by column, and each column belongs to an entry of an argument.
   Traces jacobian(const Traces& x, std::size_t arguments) const;
 
-  /// The recording whose results are `results`, under the name `result`. The composition is empty afterwards.
+  /// Ends the composition: returns the composed function as a recording, with `results` as its results and
+  /// `result` as their name. This object is empty afterwards.
   Recording with(const std::string& result, Traces results);
 
  private:
-  /// The derivatives of the results of `made` along a direction of the arguments. `made` has a copy of the
-  /// list of operations that this composition has recorded so far, and its results are the numbers to be
-  /// differentiated. Entry k of `direction` is the direction of argument k. Only the operations k with
-  /// need[k] are differentiated.
+  /// The derivatives of the results of the recorded function `made` along a direction of its arguments.
+  /// `made` has a copy of all operations that this object has recorded so far, and its results are the
+  /// numbers to be differentiated. Entry k of `direction` is the direction of argument k. Only the operations
+  /// k with need[k] are differentiated.
   Traces along(const Recording& made, const std::vector<char>& need, std::span<const Traces> direction) const;
   /// The index of the node of an entry of an argument.
   std::size_t node(std::size_t argument, std::size_t entry) const;
