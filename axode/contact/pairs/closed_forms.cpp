@@ -13,9 +13,9 @@ namespace axode {
 
 namespace {
 
-/// Adds the vertices of a hull whose distance from a plane is less than the margin of the list `out`. If
-/// there are more than 16, only the deepest one and those that are farthest along eight directions in the
-/// plane are added.
+/// Adds the points of contact of a plane and a convex hull to the list `out`. They are the vertices of the
+/// hull whose distance from the plane (m, negative behind it) is less than out.margin(). If there are more
+/// than 16, only the deepest one and those that are farthest along eight directions in the plane are added.
 template <class T>
 void touch_plane_by_hull(const SE3<T>& plane, const Hull& hull, const SE3<T>& pose,
                          PointList<T>& out) noexcept {

@@ -2,9 +2,9 @@
 #include "axode/contact/contact_shapes.hpp"
 #include "axode/contact/pairs/point_list.hpp"
 
-/// Contact points of the pairs of shapes that have a closed form. Every function adds the points whose gap is
-/// below the margin of the list to which they are added. Normals point from the first shape to the second
-/// one. Poses are in the inertial frame.
+/// Contact points of the pairs of shapes that have a closed form. Every function adds points to a list `out`
+/// if the gap between the surfaces (m, negative in overlap) is less than out.margin(). Normals point from the
+/// first shape to the second one. Poses are in the inertial frame.
 namespace axode {
 
 /// Contact points of a plane, which bounds a half-space, with any other shape. The points are on the surface
