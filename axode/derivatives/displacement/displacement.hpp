@@ -36,8 +36,8 @@ template <class T> struct CoriolisInertia {
   Mat3<T> D;
   Vec3<T> p;
 
-  /// The Coriolis inertia of one body with the inertia M and the twist V, both in inertial axes about the
-  /// point O.
+  /// The Coriolis inertia B of one body with the inertia M and the twist V, both in inertial axes about the
+  /// point O. For any twist X, B X = M' X - ad_Xᵀ M V, where M' is the time derivative of M.
   static constexpr CoriolisInertia of(const Inertia<T>& M, const Motion6<T>& V) {
     const Mat3<T> E = cross(V.w, matrix(binet_tensor(M.Theta))) + outer_product(V.v, M.h);
     return {
@@ -48,7 +48,8 @@ template <class T> struct CoriolisInertia {
     const Vec3<T> w = T(2) * X.w;
     return {D * w, cross(w, p)};
   }
-  /// The moment of the wrench Bᵀ X, with the Coriolis inertia B and a twist X. The force of this wrench is 0.
+  /// The moment 2 (Dᵀ w + p × v) of the wrench Bᵀ X, for the matrix B = 2 [[D, 0], [-p~, 0]] and a twist X =
+  /// (w; v). The force of this wrench is 0.
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }

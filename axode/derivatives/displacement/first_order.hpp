@@ -152,8 +152,11 @@ template <class T> struct FirstOrder {
   ///   ψ' = [V_p, S],   ψ'' = [V'_p, S] + [V_p, ψ'],   σ = ψ' + [V, S],
   ///   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F + N S,   R = M σ + B S,   and t, the moment of Bᵀ S.
   /// V_p and V'_p are the twist of the predecessor and its rate, and V is the twist of the body that the
-  /// joint moves. M, B, F and N are the inertia, the Coriolis inertia, the wrench and the load stiffness of
-  /// the subtree. If there are loads, the fourth number also contains (Nᵀ S)_k|S_l.
+  /// joint moves. M, B, F and N belong to the subtree: M is the inertia, and F is the wrench that the joint
+  /// transmits. B is the sum of the Coriolis inertias of the bodies: for one body with the inertia M_b and
+  /// the twist V_b, B X = M_b' X - ad_Xᵀ M_b V_b for any twist X. N is the load stiffness: if the subtree is
+  /// displaced along X, the wrench that balances its loads changes by N X, as seen in a frame that is
+  /// displaced with it. If there are loads, the fourth number also contains (Nᵀ S)_k|S_l.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them
@@ -203,11 +206,16 @@ template <class T> struct FirstOrder {
   struct Entries {
     Number q, v, a;
   };
-  /// Computes entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a in adjacent columns, one column in each SIMD lane, for a
-  /// tree without couplings, from the quantities of ScrewEffects (D1.17). If the joint of a row is before
-  /// that of the column on a path from the ground, above() multiplies the joint screw S of the row with the
-  /// wrenches P, R and U of the column. If it is the joint of the column or in its subtree, below()
-  /// multiplies the wrench U and the moment t of the row with the screws ψ', ψ'', σ and S of the column.
+  /// Computes entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a in adjacent columns c, one in each SIMD lane, for a tree
+  /// without couplings (D1.17). A bar means the power of a wrench on a screw, and ω(X) is the angular part of
+  /// a screw X. If the joint of row r is before that of column c on a path from the ground, above() returns
+  /// S_r|P_c, S_r|R_c and S_r|U_c. S_r is the joint screw of the row. P_c, R_c and U_c are the changes of the
+  /// wrench on the subtree of column c for a unit of displacement, velocity and acceleration along c. If the
+  /// joint of row r is that of column c or in its subtree, below() returns U_r|ψ''_c + t_r·ω(ψ'_c), U_r|σ_c +
+  /// t_r·ω(S_c) and U_r|S_c. These are the forces of joint r when the velocities and accelerations of the
+  /// bodies of its subtree change: by ψ'_c and ψ''_c for a unit of displacement along c, by S_c and σ_c for a
+  /// unit of velocity, and by 0 and S_c for a unit of acceleration. If there are loads, the first force also
+  /// contains (Nᵀ S)_r|S_c with the load stiffness N.
   struct Columns {
     Arrays<T> effect, NtS;  // copies, so that the compiler knows that no result overwrites them
     Number screws[psi_2 + 12], psi_1_of[3], wrenches[18];

@@ -48,11 +48,12 @@ template <class T> struct MovingInertia {
 
 /// The screws and wrenches that belong to one joint screw S. The derivatives of τ are sums of powers of a
 /// wrench that belongs to one joint screw on a screw that belongs to another ((D1.16) and (D1.17) of
-/// docs/derivations). The screws are S, its first two time derivatives ψ' and ψ'' as a screw that is fixed
-/// to the predecessor, and σ. The wrenches are U, P, R and Bᵀ S, which consists of a moment t alone:
+/// docs/derivations). The screws are S, its first two time derivatives ψ' and ψ'' as a screw that is fixed to
+/// the predecessor, and σ. The wrenches are U, P, R and Bᵀ S, which consists of a moment t alone:
 ///   σ = ψ' + [V, S],   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F,   R = M σ + B S.
-/// V is the twist of the body; M, B and F are the inertia, the Coriolis inertia and the wrench of the
-/// subtree.
+/// V is the twist of the body that the joint moves. M, B and F belong to its subtree: M is the inertia, and F
+/// the wrench that the joint transmits. B is the Coriolis inertia: for a twist X = (w; v), B X is the wrench
+/// that gives mass elements with velocities r' the Coriolis acceleration 2 w × r'.
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;
@@ -63,9 +64,12 @@ template <class T> struct ScrewEffects {
   /// Computes for a joint screw S the quantities
   ///   ψ' = [V_p, S],   ψ'' = [V'_p, S] + [V_p, ψ'],   σ = ψ' + [V, S],
   ///   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F,   R = M σ + B S,   and t, the moment of Bᵀ S.
-  /// `moved` has the inertia M, the Coriolis inertia B and the wrench F, summed over the subtree. V_p and
-  /// dV_p are the twist of the predecessor and its rate, and V is the twist of the body. If there are loads,
-  /// the caller must add N S to P, where N is the load stiffness of the subtree.
+  /// `moved` has three quantities of the subtree: the inertia M, the wrench F that the joint transmits, and
+  /// the Coriolis inertia B. For a twist X = (w; v), B X is the wrench that gives mass elements with
+  /// velocities r' the Coriolis acceleration 2 w × r'. V_p and dV_p are the twist of the predecessor and its
+  /// rate, and V is the twist of the body. If there are loads, the caller must add N S to P, where N is the
+  /// load stiffness of the subtree: N X is the change, by a displacement X of the subtree, of the wrench that
+  /// balances its loads, as seen in a frame that is displaced with it.
   [[gnu::always_inline]] static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S,
                                                           const Motion6<T>& V_p, const Motion6<T>& dV_p,
                                                           const Motion6<T>& V) {
@@ -187,7 +191,8 @@ template <class T> struct MovingScrews {
     moved.set3(moved.get3(i, MovingInertia<T>::force) - W.f, i, MovingInertia<T>::force);
   }
 
-  /// Sums the inertia, the Coriolis inertia and the wrench (MovingInertia) over the subtree of each joint.
+  /// Replaces the MovingInertia of each body, which has its inertia, Coriolis inertia and wrench, by the sum
+  /// over the subtree of the body.
   void compose(const Topology& topology) noexcept { moved.sum_subtrees(topology); }
   /// The wrench that the joint of body i transmits to the body, after compose().
   Wrench<Spatial, T> transmitted(int i) const {
@@ -210,8 +215,11 @@ template <class T> struct MovingScrews {
     bodies.load([&](int l) { return body_of[std::min(c + l, n_columns - 1)]; }, x);
     return {bodies.vector(x, OfBody::dw), bodies.vector(x, OfBody::dv)};
   }
-  /// The inertia, the Coriolis inertia and the wrench (MovingInertia) of the bodies i, i + 1, ..., one body
-  /// in each SIMD lane. It must be called before compose().
+  /// The inertia M, the Coriolis inertia B and the wrench F of the bodies i, i + 1, ..., one body in each
+  /// SIMD lane. For a twist X = (w; v), B X is the wrench that gives mass elements with velocities r' the
+  /// Coriolis acceleration 2 w × r'. F is the wrench that the body needs for its motion, minus the applied
+  /// wrenches. The function must be called before compose(), which replaces these quantities by sums over
+  /// subtrees.
   MovingInertia<Number> bodies_from(int i) const {
     return in_lanes([i](int l) { return i + l; });
   }
