@@ -29,9 +29,9 @@ struct DriveDerivatives {
 };
 
 /// Derivatives of the least margin of the statuses of the drives: by q along the left-trivialised directions,
-/// by v, by the states x of the drives, and by the inputs that are functions of time. A status is a number
-/// that says which form of a drive's law holds, such as whether a limit is reached; it changes when its
-/// margin becomes negative.
+/// by v, by the states x of the drives, and by the inputs that are functions of time. A status is an integer
+/// that says which form of a drive's law holds, such as whether a limit is reached. Its margin is a smooth
+/// function of time, state and inputs that becomes negative when the status must change.
 struct MarginDerivatives {
   Eigen::RowVectorXd q, v, x, u;
 };
@@ -90,15 +90,19 @@ class DriveSystem {
   /// The first time after t at which an input or one of its derivatives jumps; infinite if there is none.
   double next_jump(double t) const;
   /// The least margin of the statuses of all drives; infinite if there are none. A status is an integer that
-  /// says which form of a drive's law holds; it must change when its margin becomes negative.
+  /// says which form of a drive's law holds. Its margin is a smooth function of time, state and inputs that
+  /// becomes negative when the status must change, for example the distance of a quantity from its limit, in
+  /// the unit of this quantity.
   double least_margin(double t, Span q, Span v, Span x);
-  /// Computes the derivatives of least_margin(), the least margin of the statuses of all drives. At least one
-  /// drive must have a status. Allocates.
+  /// Computes the derivatives of the least margin of the statuses of all drives by q along the
+  /// left-trivialised directions, by v, by the states x of the drives and by the inputs that are functions of
+  /// time. A status is an integer that says which form of a drive's law holds, and its margin is a function
+  /// that becomes negative when the status must change. At least one drive must have a status. Allocates.
   MarginDerivatives margin_derivatives(double t, Span q, Span v, Span x);
   /// Applies the discontinuous changes of the drives at time t and state (q, v, x). Inputs that jump at t
   /// take their values after the jump. A status, the integer that says which form of a drive's law holds,
-  /// changes if its margin is negative; states in x may jump then. Returns whether an input or a status has
-  /// changed.
+  /// changes if its margin is negative; states in x may jump then. The margin is a smooth function of time,
+  /// state and inputs that the law defines. Returns whether an input or a status has changed.
   bool switch_at(double t, Span q, Span v, std::span<double> x);
   /// The discrete state of the drives, which switch_at() changes. For each drive it has the index of the time
   /// interval in which its input is constant at present (0 unless the input is piecewise constant), and the
@@ -132,7 +136,9 @@ class DriveSystem {
   template <class T> DrivePoint<T> point(std::size_t d, double t, const Values<T>& values) const;
   void evaluate_laws(double t, Span q, Span v, Span x);
   void choose_statuses(double t, std::size_t d);
-  /// The drive and the index of its status with the least margin at the last evaluation of the laws.
+  /// The status with the least margin at the last evaluation of the laws: the value of the margin, the index
+  /// of the drive, and the index of the status in this drive. A status is an integer that says which form of
+  /// the drive's law holds; it changes when its margin becomes negative.
   struct LeastMargin {
     double value;
     std::size_t drive = 0, status = 0;
