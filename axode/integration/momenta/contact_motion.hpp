@@ -19,8 +19,9 @@ struct ComputedContactStep {
   std::vector<ContactForce> forces = {};
 };
 
-/// Steps of a motion with contact and drives that end where a drive changes to a branch of its law with other
-/// forces. Simulations and rollouts take the same steps. After the first step, memory is allocated only if
+/// Steps of a motion with contact and drives. A step ends early at a time at which a drive changes to another
+/// branch of its law and its force, its states or their rates jump; it does not end where they change without
+/// a jump. Simulations and rollouts take the same steps. After the first step, memory is allocated only if
 /// there are more than 64 contacts.
 class ContactSteps {
  public:
@@ -29,8 +30,9 @@ class ContactSteps {
   /// Computes the step from the state `from` at time t to t_1. Fails if loops are open or prescribed motions
   /// are not followed at its end.
   Failure compute(double t, double t_1, const StepEnd& from, ComputedContactStep& out);
-  /// Computes the step from the present state of the run to t_1, or to an earlier time at which a drive
-  /// changes to a branch of its law with other forces; t_1 then becomes this time.
+  /// Computes the step from the present state of the run to t_1. If before t_1 a drive changes to another
+  /// branch of its law and its force, its states or their rates jump, the step ends at this change, and t_1
+  /// becomes its time.
   Failure compute_up_to_switch(double& t_1, ComputedContactStep& out);
   /// Forgets the impulses of earlier steps.
   void restart() noexcept { scheme_.restart(); }

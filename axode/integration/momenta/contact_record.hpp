@@ -17,9 +17,10 @@ class ContactRecord {
   }
 
   void clear() noexcept;
-  /// Takes the points of contact `found` at the end of a step, or of a part of it, into the list of the
-  /// points of this step. A point in the list that received an impulse but is not in `found` keeps its
-  /// position.
+  /// Updates the list of the points of contact of this step with those in `found`, at the end of the step or
+  /// of a part of it. A point in `found` is added to the list or, if the list has it, receives the new
+  /// position, normal and gap. A point of the list that is not in `found` is removed if it has not received
+  /// an impulse in the step; otherwise it stays as it is.
   void locate(std::span<const Contact> found);
   /// Adds the impulses of `contacts`, whose constraints come first in `problem`. lambda are the multipliers
   /// of all constraints, and u the velocities along them after the impulses. A contact counts as sticking if

@@ -11,11 +11,11 @@
 
 namespace axode {
 
-/// One step of a motion with contact (D11.12): impulses at its start, the motion without contact by the
-/// midpoint rule, and impulses at its end, which make the velocities obey the laws of contact. The impulses
-/// at the start have three effects: rigid contacts do not begin to overlap in the step, loops are closed at
-/// its end, and sticking contacts do not slide in its middle. Prescribed motions are loops whose equations
-/// have functions of time as right sides (D12.1).
+/// One step of a motion with contact (D11.12): impulses at its start, the free motion (without contact) by
+/// the midpoint rule, and impulses at its end, which make the velocities obey the laws of contact. The
+/// impulses at the start have three effects: rigid contacts do not begin to overlap in the step, loops are
+/// closed at its end, and sticking contacts do not slide in its middle. Prescribed motions are loops whose
+/// equations have functions of time as right sides (D12.1).
 class ContactStep {
  public:
   using Vector = Eigen::VectorXd;
@@ -30,8 +30,8 @@ class ContactStep {
   /// contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16 parts. Allocates
   /// only if there are more than 64 contacts and more than ever before, and in the first step in which the
   /// iteration of the midpoint rule needs the Jacobian matrix of its equations (D8.6). Fails if the mass
-  /// matrix is singular, a number is not finite, there are too many points of contact, or the caller's
-  /// monitor ends the motion.
+  /// matrix is singular, a number is not finite, there are too many points of contact, or
+  /// SimulationOptions::monitor, a function of the caller, returns false.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0 = {});
 
   /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.
@@ -67,10 +67,11 @@ class ContactStep {
         : system(model, rows, capacity, dry_friction), x(model.nv()), v(model.nv()) {}
     std::size_t rows() const { return system.problem().r.size(); }
   };
-  /// The multipliers of a contact that are stored for the next step. `guess` has the first guesses for those
-  /// at the start and at the end of the next step: the multipliers of the last step or, at the start, their
-  /// extrapolation from the last two steps. `start` has the multipliers at the start of the last step,
-  /// without extrapolation.
+  /// The multipliers of a contact that are stored for the next step. `start` has the multipliers at the start
+  /// of the last step. `guess` has the first guesses for the iterations of the next step, for the multipliers
+  /// at its start and for those at its end. The guess for the start is extrapolated linearly from the starts
+  /// of the last two steps if these steps have the same length and similar impulses; otherwise it is `start`.
+  /// The guess for the end has the multipliers at the end of the last step.
   struct Remembered {
     using Multipliers = std::array<double, LawBlock::most_rows>;
     std::uint64_t key;
@@ -91,13 +92,17 @@ class ContactStep {
   double rounding_error(double h) const;
   void set_compliances(double h);
   double unresolved_slip(double h) const;
-  /// Sets the right sides of the contact problem at the start of the step from the gaps and velocities that
-  /// the motion without contact led to in the last iteration. If `choose` is true, also decides which
-  /// contacts slide, and returns whether this decision changed.
+  /// Sets the right sides of the contact problem at the start of the step, whose unknowns are the impulses
+  /// there. They follow from the last free motion, between these impulses and those at the end of the step:
+  /// from the gaps of contacts and stops and the residuals of loops at its end, and from the sliding
+  /// velocities in its middle. If `choose` is true, also decides which contacts slide, and returns whether
+  /// this decision changed.
   bool set_r_of_start(double h, bool choose);
-  /// Makes the constraint rows at the end of the free motion, and computes its velocities there.
+  /// Makes the constraint rows at the end of the free motion, between the impulses at the two ends of the
+  /// step, and computes the joint velocities there.
   Failure reach_end(double t, double h);
-  /// Finds the impulses at the end of the free motion, and the state after them.
+  /// Finds the impulses at the end of the step, after the free motion, and the velocities after these
+  /// impulses.
   Failure land(double t);
   void set_r_of_end(double bounciness);
   void select_active();
@@ -106,8 +111,9 @@ class ContactStep {
   /// Moves q so that overlaps and loops are closed, by the displacement that moves the masses least (D11.15).
   Failure separate(double t, double h);
   /// Improves the multipliers `lambda` of a contact problem until they obey the laws of contact to the
-  /// tolerance, and writes the remaining residual to `e`. t is the time at which the step begins. Fails if
-  /// the caller's monitor ends the motion.
+  /// tolerance, and writes the remaining residual to `e`. t is the time at which the step begins. In long
+  /// computations, SimulationOptions::monitor, a function of the caller, is called with t; if it returns
+  /// false, solve() fails.
   Failure solve(double t, const VelocityProblem& problem, std::vector<double>& lambda, double tolerance,
                 double& e);
   void apply(End& end, const Vector& v, Vector& v_after);

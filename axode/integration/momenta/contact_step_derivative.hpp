@@ -152,10 +152,13 @@ class ContactStepDerivative {
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);
   /// Computes the changes of the velocities J v in the loop constraints with the Jacobian J, at the
-  /// configuration q_0 at the start of a substep (a step or a part of one); the columns are those of dp. The
-  /// joint velocities v are those before the substep plus two terms: the effect of all impulses at its start,
-  /// and the effect of gravity during half the substep. If a loop constrains velocities alone, as a rolling
-  /// contact does, the impulses make its velocities J v equal to 0.
+  /// configuration q_0 at the start of a substep (a step or a part of one). The joint velocities v are those
+  /// before the substep plus two terms: the effect of all impulses at its start, and the effect of gravity
+  /// during half the substep. If a loop constrains velocities alone, as a rolling contact does, the impulses
+  /// make its velocities J v equal to 0. The result has a row for each loop constraint; its k first columns
+  /// are for the directions of differentiation, at constant multipliers, and each further column has the
+  /// derivative by one multiplier of the impulses at the start. dq, dv and dp have the same columns, for q_0,
+  /// for the velocities before the substep, and for the joint impulses at its start.
   Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
                          const Matrix& dq, const Matrix& dv);
   Matrix Ad_transpose(const Vector& y, Matrix x) const;

@@ -21,9 +21,10 @@ int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {
 
 }  // namespace
 
-/// Differentiates the impulses at the end of a substep (D11.22). A substep is a whole step or a part of one.
-/// Computes the changes dv of the velocities after the impulses from the changes dq and dp of coordinates and
-/// momenta before them.
+/// Differentiates the impulses of contacts, stops, dry friction and loops at the end of a substep (D11.22). A
+/// substep is a whole step or a part of one. Computes the changes dv of the velocities after these impulses
+/// from the changes dq and dp of the coordinates and momenta before them, with a column for each direction of
+/// differentiation.
 bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle,
                                             const Matrix& dlambda, const Matrix& dp, const Matrix& friction,
                                             Matrix& dq, Matrix& dv) {

@@ -24,9 +24,9 @@ class Multisecant {
     filled_ = 0;
     has_step_ = false;
   }
-  /// Replaces the value g(x) in `g` by the next x. Residuals are measured by the norm of their entries times
-  /// `weights`. All vectors since the last restart must have one size. Allocates nothing up to the reserved
-  /// size.
+  /// Makes one step of the accelerated iteration x ← g(x): replaces the value g(x) in `g` by the next x. The
+  /// size of a residual g(x) - x is the norm of its entries times `weights`. All vectors since the last
+  /// restart must have one size. Allocates nothing up to the reserved size.
   void update(std::span<const double> x, std::span<const double> weights, std::span<double> g) {
     const std::size_t n = x.size();
     residual_.resize(n);

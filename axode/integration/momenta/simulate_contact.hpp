@@ -4,8 +4,10 @@
 
 namespace axode {
 
-/// Simulates a motion with contact with given collision shapes, which may include convex hulls of meshes.
-/// Throws std::invalid_argument unless they are the shapes of the model.
+/// Simulates a motion with contact. The collision shapes must have been made from `model`, with convex hulls
+/// that replace meshes. Throws std::invalid_argument if they were made from a model with another number of
+/// moving bodies, for couplings with play, and for the options `coordinates` and `local_coordinates` if they
+/// are not the default.
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options = {});
@@ -13,12 +15,13 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});
 
-/// Checks the arguments of rollouts with contact: throws std::invalid_argument if the shapes are not those of
-/// the model, and for prescribed motions and couplings with play.
+/// Checks the arguments of rollouts with contact. Throws std::invalid_argument if the shapes were made from a
+/// model with another number of moving bodies, and for prescribed motions and couplings with play.
 void check_contact(const Model& model, const ContactShapes& shapes);
-/// Checks the arguments of a simulation with contact: throws std::invalid_argument if the shapes are not
-/// those of the model, for couplings with play, and for coordinates in `options` that are not the default.
-/// `method` is the name of the simulation method in messages.
+/// Checks the arguments of a simulation with contact. Throws std::invalid_argument if the shapes were made
+/// from a model with another number of moving bodies, for couplings with play, and for the options
+/// `coordinates` and `local_coordinates` if they are not the default. `method` is the name of the simulation
+/// method in messages.
 void check_contact_simulation(const char* method, const Model& model, const ContactShapes& shapes,
                               const SimulationOptions& options);
 
