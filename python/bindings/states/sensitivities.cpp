@@ -42,8 +42,9 @@ struct Motions {
     return states.items(name, given, {count, nv()}, "nv numbers in each row");
   }
 
-  /// Calls f(n, should_continue) for every motion n; f must call should_continue() now and then, so that
-  /// Ctrl-C is noticed. At the end an error that contains the result is thrown if motions could not continue.
+  /// Calls f(n, should_continue) for every motion n. f must call should_continue() now and then, which
+  /// notices Ctrl-C, and must end if it returns false. If motions could not continue, throws an error at the
+  /// end. The error contains `result`, the array with the results of all motions.
   template <class F> void each(double microseconds, NewArray& result, const F& f) const {
     std::vector<Solvability> found(states.count());
     states.each_long(
