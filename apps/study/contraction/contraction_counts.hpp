@@ -6,16 +6,21 @@
 
 namespace axode::command {
 
-/// Counts of the operations of forward dynamics by tree contraction, a parallel algorithm that joins
-/// neighbouring bodies in rounds. Chains of bodies are compressed only in the first `rounds` rounds.
+/// Counts of the operations of forward dynamics by tree contraction, a parallel algorithm. It works in
+/// rounds: in each round, every body or chain of bodies without children is joined to the body or chain above
+/// it. In some rounds, neighbours in chains of bodies with one child each are also joined in pairs, which is
+/// a compression. `rounds` and `compressions` are the numbers of all rounds and compressions.
 struct ContractionCount {
   int rounds, compressions;
   Operations operations;
   long longest_path;  ///< operations on the longest path, with a processor for each body
 };
-/// Counts the operations of forward dynamics by tree contraction if chains of bodies are compressed in no
-/// round (this is the articulated-body algorithm), in the first round, in the first two rounds, and so on
-/// until more rounds change nothing. The result is empty if the mass matrix may be singular.
+/// Counts the operations of forward dynamics by tree contraction, a parallel algorithm that joins bodies in
+/// rounds. A round can also join neighbours in chains of bodies with one child each (a compression). Entry k
+/// of the result belongs to an algorithm with compressions in the first k rounds only. Entry 0 is the
+/// articulated-body algorithm. The list ends when one more round adds no compression, or at a pivot so small
+/// that the mass matrix, or the inertia of a part of the tree, may be singular. It is empty if the mass
+/// matrix may be singular.
 std::vector<ContractionCount> contraction_counts(const Model& model, const State& state);
 
 }  // namespace axode::command

@@ -30,16 +30,19 @@ struct OneByOne {
 /// are the acceleration a of the first body and the wrench f that the last body passes on to the node below,
 /// 0 if there is none. The outputs are
 ///   wrench on the first body = K a + Eᵀ f + κ,  acceleration of the last body: b = E a - N f + α.   (1)
-/// The coefficients K, E, κ, N and α belong to the segment. For one body, K is its inertia, E = I and N = 0;
-/// nothing is inverted, so that massless bodies are allowed. A step that joins a node to a single body is a
-/// step of the articulated-body algorithm. The joint above a segment, with the screws S, the acceleration x,
-/// the drive force τ and the bias c, is eliminated by a = a_p + c + S x, where a_p is the acceleration of the
-/// predecessor. With U = K S, G = E S, D = Sᵀ U + armature and u = τ - Sᵀ κ this gives
+/// The coefficients K, E, κ, N and α belong to the segment. For one body, K is its inertia, E = I, and N and
+/// α are 0; nothing is inverted, so that massless bodies are allowed. The joint above a segment, with the
+/// screws S, the acceleration x, the drive force τ and the bias c, is eliminated by a = a_p + c + S x, where
+/// a_p is the acceleration of the predecessor. With U = K S, G = E S, D = Sᵀ U + armature and u = τ - Sᵀ κ
+/// this gives
 ///   x = (u - Uᵀ (a_p + c) - Gᵀ f) / D,  K -= U Uᵀ / D,  E -= G Uᵀ / D,  N += G Gᵀ / D,               (2)
 ///   κ += U u / D + K c,  α += G u / D + E c.
-/// A lower segment with K', E', N', κ', α' after (2) is joined to an upper one with K, E, N, κ, α. With K' =
-/// L Lᵀ, R Rᵀ = I + Lᵀ N L, B = N L R⁻ᵀ, X = R⁻¹ Lᵀ E, P = E - B X, Q = N - B Bᵀ, h = α - B R⁻¹ Lᵀ α, the
-/// acceleration of the upper segment's last body is
+/// Let K', E', N', κ', α' be the coefficients of a lower segment after (2). If no node is below this segment
+/// and the node above it is a single body, the step adds K' and κ' to K and κ of the body, as in the
+/// articulated-body algorithm. Otherwise the lower segment is joined to the upper one, with K, E, N, κ, α, as
+/// follows. With K' = L Lᵀ, R Rᵀ = I + Lᵀ N L, B = N L R⁻ᵀ, X = R⁻¹ Lᵀ E, P = E - B X, Q = N - B Bᵀ,
+/// h = α - B R⁻¹ Lᵀ α, and the wrench f that the lower segment passes on, the acceleration of the upper
+/// segment's last body is
 ///   b = P a + h - Q (E'ᵀ f + κ'),                                                                    (3)
 /// and the joined segment has, with π = h - Q κ', in place of K, E, N, κ and α
 ///   K + Xᵀ X,  E' P,  N' + E' Q E'ᵀ,  κ + Eᵀ (K' π + κ'),  α' + E' π.                                (4)
