@@ -102,9 +102,11 @@ void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<con
                                   "set joint_losses to false");
 }
 
-/// Computes the wrenches that the joints transmit for the multipliers `lambda` of the loops, in the
-/// representation Rep at the point `at` of each body. The motion and the loop equations of `system` must have
-/// been computed.
+/// Computes the wrench that each joint of the spanning tree transmits to its body for the multipliers
+/// `lambda` of the loops. W has n_bodies entries in the representation Rep of the body frames, with the
+/// origin of each frame moved to the point `at` of its body (the origin of the body frame, or of the joint
+/// frame). Spatial wrenches are about the inertial origin. The motion and the loop equations of `system` must
+/// have been computed.
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
                           std::span<Wrench<Rep, T>> W) {

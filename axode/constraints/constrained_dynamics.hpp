@@ -59,13 +59,15 @@ void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> 
                     std::type_identity_t<std::span<Wrench<Rep, T>>> W,
                     const std::type_identity_t<Loads<T>>& loads = {}, WrenchPoint at = WrenchPoint::body);
 
-/// Computes the wrenches that all joints of a mechanism with loops transmit at accelerations a. The drive
-/// forces are those of inverse_dynamics() for these accelerations and drives. W has n_bodies entries, each in
-/// the representation Rep of the body frame moved to the point `at`. If loop equations are redundant, the
-/// multipliers of the loops, and with them the wrenches, are not unique; the least multipliers are taken.
-/// Returns the norm of the forces that no drive can produce, divided by the norm of all required forces.
-/// Throws std::invalid_argument for wrong sizes and, in double precision, if a does not keep the loops
-/// closed. Allocates; O(nv³).
+/// Computes the wrenches that the joints of the spanning tree of a mechanism with loops transmit from the
+/// predecessor to the body at accelerations a. The drive forces are those of inverse_dynamics() for these
+/// accelerations and drives. W has n_bodies entries. W[i - 1] belongs to joint i, in the representation Rep
+/// of the frame of body i with its origin moved to the point `at` of this body: the origin of the body frame
+/// or of the joint frame. Spatial wrenches are about the inertial origin. If loop equations are redundant,
+/// the multipliers of the loops, and with them the wrenches, are not unique; the least multipliers are taken.
+/// Returns the norm of the required joint forces that neither drives nor loops can produce, divided by the
+/// norm of all required joint forces. Throws std::invalid_argument for wrong sizes and, in double precision,
+/// if a does not keep the loops closed. Allocates; O(nv³).
 template <RecursionRepresentation Rep = BodyFixed, class T>
 [[nodiscard]] T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                Numbers<T> a, std::type_identity_t<std::span<Wrench<Rep, T>>> W,
