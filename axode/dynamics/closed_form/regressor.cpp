@@ -15,9 +15,10 @@ template <class T> Inertia<T> unit_inertia(int k) {
   return {is(0), {is(1), is(2), is(3)}, {is(4), is(5), is(6), is(7), is(8), is(9)}};
 }
 
-/// Calls f(i, V, V') for every body i with the twist V and the twist rate V' of its user-placed frame,
-/// body-fixed. `at` has the motion of the tree; if it was computed with the acceleration -g of the ground, V'
-/// includes gravity.
+/// Calls f(i, V, V') for every body i. V is the body-fixed twist, and V' the body-fixed twist rate, of the
+/// frame that the description of the mechanism gives to the body. `at` has the motion of the joint frames,
+/// from which V and V' are converted; if it was computed with the acceleration -g of the ground, V' includes
+/// gravity.
 template <class T, class F> void each_body(const Tree<T>& tree, const PosesAndMotion<T>& at, F&& f) {
   for (int i = 1; i <= tree->n; ++i) {
     const Link<BodyFixed, T> user{tree.frame_offset[i]};
