@@ -14,9 +14,10 @@ namespace axode {
 /// joints of one velocity brackets vanish and ⊕ is +. The numbers of the tree have the type S. Arguments are
 /// vectors or pointers to their first numbers; results may share the memory of arguments. O(n).
 ///
-/// q ⊕ x is q exp x or, with LocalCoordinates::cayley, q cay x with Cayley's map. The maps of velocities,
-/// accelerations and momenta are the derivatives of ⊕, (D8.1), (D8.3) and (D14.9); the members' comments
-/// write them for exp.
+/// q ⊕ x is q exp x or, with LocalCoordinates::cayley, q cay x with Cayley's map. velocity(), acceleration()
+/// and rate() follow by differentiation of ⊕, (D8.1), (D8.3) and (D14.9): they convert between rates of x and
+/// the velocity or acceleration of q ⊕ x. The transposed maps act on momenta. The members' comments write all
+/// these maps for exp.
 template <class T, class S = T> class ConfigurationGroup {
  public:
   /// The first number of an argument or of a result, which is a vector or a pointer.

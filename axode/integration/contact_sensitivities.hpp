@@ -76,10 +76,11 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
                                                const ContactRolloutDerivatives& out,
                                                const Monitor& monitor = {});
 
-/// Computes the displacements of all states of a motion of K steps with contact, under K rows of nv drive
-/// forces, if its start q is displaced by dq, its initial velocity by dv, the forces by dtau (K nv numbers),
-/// and the parameters of the mechanism by the numbers in `parameters`: friction, restitution and layer
-/// thickness of the collision shapes, placement of the shapes on their bodies, inertia of the bodies, and
+/// Computes how all states of a motion of K steps with contact, under K rows of nv drive forces, are
+/// displaced if the data of the motion are displaced: the initial q by dq, the initial v by dv, the forces by
+/// dtau (K nv numbers), and the parameters of the mechanism by the numbers in `parameters`. These are the
+/// friction and restitution of the collision shapes, the thickness of a layer by which the surface of each
+/// shape moves outwards, the placement of the shapes on their bodies, the inertia of the bodies, and the
 /// geometry of the tree. dq_out and dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv.
 /// Allocates.
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes,
@@ -92,11 +93,11 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
 
 /// Backward differentiation of a motion of K steps with contact. From the gradients w_q and w_v of an
 /// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes the gradients of the
-/// objective by the other quantities: `gradient` receives those by the initial q and v and by the drive
-/// forces. Each span of `by_parameters` that is not empty receives those by the parameters of its kind:
-/// surfaces and placement of the collision shapes, inertia of the bodies, or geometry of the tree. Only
-/// by_parameters receives gradients by the geometry, so gradient.geometry must be empty. Stores 2 K nv (3 nv
-/// + p) numbers for p parameters. Allocates.
+/// objective by the other quantities: `gradient` receives the gradients by the initial q and v and by the
+/// drive forces. Each span of `by_parameters` that is not empty receives the gradients by the parameters of
+/// its kind: surfaces (friction, restitution, thickness of a layer) and placement of the collision shapes,
+/// inertia of the bodies, or geometry of the tree. Only by_parameters receives gradients by the geometry, so
+/// gradient.geometry must be empty. Stores 2 K nv (3 nv + p) numbers for p parameters. Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

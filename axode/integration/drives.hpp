@@ -109,9 +109,9 @@ class ProportionalDerivative : public Tracking {
 ///
 /// In a mechanism with loops or passive joints, the control law defines the accelerations of the driven
 /// joints only, and passive joints have no force. If the drives cannot produce these accelerations, the
-/// controller uses the nearest ones that they can produce; each difference counts relative to the
-/// acceleration that a unit force of its drive causes. τ is NaN if the mass matrix is singular. Each call
-/// then allocates and takes O(nv³ + nv d²) for d drives.
+/// controller uses the nearest ones that they can produce: it minimises the sum of the squared differences,
+/// each divided by the acceleration that a unit force of its drive causes. τ is NaN if the mass matrix is
+/// singular. Each call then allocates and takes O(nv³ + nv d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
@@ -120,8 +120,9 @@ class ComputedTorque : public Tracking {
   bool drives_all() const { return !loops_; }
 
  private:
-  /// Replaces the accelerations x_ of the control law by the nearest accelerations of all joints that the
-  /// drives can produce. Returns false if the mass matrix is singular or a result is not finite.
+  /// Replaces the accelerations x_ (nv) of the control law by accelerations of all joints that the drives can
+  /// produce. Of these, the accelerations of the driven joints are nearest to the control law by weighted
+  /// least squares. Returns false if the mass matrix is singular or a result is not finite.
   bool make_possible(std::span<const double> q, std::span<const double> v);
 
   Workspace<> workspace_;

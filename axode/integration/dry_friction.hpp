@@ -47,7 +47,8 @@ class DryFriction {
   /// its limit, it is minus the force that would be missing to hold the joint.
   double reserve(std::size_t k, Span v) const;
 
-  /// Starts at the velocities v: joints with dry friction slide in their direction, or stick if at rest.
+  /// Starts at the velocities v: each joint with dry friction or a gear with losses slides in the direction
+  /// of its velocity, or sticks if its velocity is 0.
   void start(Span v);
   /// Adds the damping of all joints and the dry friction of sliding joints at v to the joint forces tau (nv).
   void add_losses(Span v, std::span<double> tau) const;
@@ -63,9 +64,11 @@ class DryFriction {
   /// Adds the losses of moving gears to the residuals r = ID(q, v, a) - τ (nv numbers) of the equations of
   /// motion, with inverse dynamics ID (D9.13). `drive` has the drive forces that pass through gears.
   void add_gear_losses(Span v, Span a, Span drive, std::span<double> r);
-  /// Adds the derivatives of the gear losses that were computed last to derivatives of the residuals ID(q, v,
-  /// a) - τ of inverse dynamics. `derivatives` are nv × nv matrices [residual, direction], without the
-  /// derivatives of drives and damping: the first is that by a, and the others are those by q or v.
+  /// Adds the derivatives of the gear losses, as add_gear_losses() computed them last, to derivatives of the
+  /// residuals ID(q, v, a) - τ with inverse dynamics ID. `derivatives` are nv × nv matrices [residual,
+  /// direction]. The first matrix has the derivatives by a; the others, in any number and order, have the
+  /// derivatives by other variables, such as q or v. At given q, v and a the losses do not depend on the
+  /// forces of drives and damping, so the derivatives of these forces must be added after the call.
   void scale_derivatives(std::initializer_list<std::span<double>> derivatives) const;
 
   /// Adapts derivatives of the accelerations to sticking joints: after the call they hold under the condition
@@ -81,16 +84,18 @@ class DryFriction {
   /// the end (v_1, a_1) of the step, the velocity is taken as the cubic with these velocities and
   /// accelerations.
   bool reverses(Span v_0, Span a_0, Span v_1, Span a_1, double h) const;
-  /// The time (s), at constant accelerations, until the first sliding velocity that decelerates becomes 0. It
-  /// is negative if a velocity has already reversed, and 0 if none decelerates.
+  /// The time (s), at constant accelerations a, until the first of the decelerating sliding joints comes to
+  /// rest. It is 0 if no sliding joint decelerates, and negative if the velocity of such a joint is already
+  /// opposite to the stored direction of sliding of this joint.
   double time_to_stop(Span v, Span a) const;
 
   /// Stops joints. The velocity of a joint becomes 0 if the joint sticks, or if it slides and its velocity is
-  /// 0, has reversed, or will be 0 within the time `within` (s) at the accelerations a. A sliding joint that
-  /// is stopped begins to stick if its acceleration is opposite to the direction in which it slid. Returns
-  /// whether a joint began to stick.
+  /// 0, is opposite to its stored direction of sliding, or will be 0 within the time `within` (s) at the
+  /// accelerations a. A sliding joint that is stopped begins to stick if its acceleration is opposite to this
+  /// direction. Returns whether a joint began to stick.
   bool stop_sliding(std::span<double> v, Span a, double within);
-  /// Lets sticking joints slide if their accelerations a under friction are not 0, in their direction.
+  /// Lets each sticking joint slide if its acceleration under friction, its entry of a, is not 0. The joint
+  /// slides in the direction of this acceleration.
   void start_sliding(Span a);
 
  private:
@@ -103,11 +108,11 @@ class DryFriction {
     Gear gear = {};     ///< without losses if the joint has no such gear
     double slope = 0;   ///< derivative of the loss of a moving gear by the force that it transmits
 
-    /// Computes the member `margin`, bound - |force| + (2 tolerance - |a|)/own, which is positive while
-    /// friction holds the joint. `force` is the present friction force, `bound` its limit, a the acceleration
-    /// of the joint under this force, and `own` the acceleration of the joint by a unit force. |a| counts as
-    /// 0 up to `tolerance`. The margin has twice the tolerance in it so that it is clearly positive for every
-    /// such a, even if the force is at its limit.
+    /// Computes the member `margin` of a sticking joint, bound - |force| + (2 tolerance - |a|)/own, which is
+    /// positive while friction holds the joint. `force` is the present friction force, `bound` its limit, a
+    /// the acceleration of the joint under this force, and `own` the acceleration of the joint by a unit
+    /// force. Friction holds the joint if |a| <= tolerance. The tolerance is doubled in the margin so that
+    /// the margin is clearly positive for every such a, even if the force is at its limit.
     void set_margin(double bound, double a, double tolerance, double own) {
       margin = bound - std::abs(force) + (2 * tolerance - std::abs(a)) / own;
     }

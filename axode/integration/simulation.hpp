@@ -46,9 +46,10 @@ struct SimulationOptions {
   std::function<void(double t, std::span<const double> q, std::span<const double> v,
                      std::vector<AppliedWrench<>>& loads)>
       computed_loads = {};
-  /// Motions that joints and rods follow, in addition to those of the model. They act with all methods, in
-  /// relative and in absolute coordinates. Steps end where the third, fourth or fifth derivative of a motion
-  /// jumps. A motion that cannot be followed ends the trajectory.
+  /// Prescribed motions in addition to those of the model. A motion sets the coordinate of a joint, or the
+  /// length of a rod (the distance of two points, which a loop joint fixes), as a function of time. Motions
+  /// act with all methods, in relative and in absolute coordinates. Steps end where the third, fourth or
+  /// fifth derivative of a motion jumps. A motion that cannot be followed ends the trajectory.
   std::vector<PrescribedMotion> motions = {};
   /// Drives with states, in addition to those of the model. Steps end where an input jumps, and with methods
   /// whose steps can be shortened also where the law of a drive changes its form, for example at a limit;

@@ -23,9 +23,9 @@ struct ClosedConstraint {
   std::uint64_t key = 0;                 ///< key of a contact, or index of a stop or dry joint
   LawBranch branch = LawBranch::stick;   ///< stick or slide; a stop, and a contact without friction, slide
   /// The direction of sliding of a contact: `along` is that of the sliding velocity, and `about` that of the
-  /// angular velocity of drilling and rolling, both in inertial axes. Velocities are multiplied by their
-  /// coefficients of friction, and both together have norm 1. For a joint with dry friction, along.x is the
-  /// sign of its velocity.
+  /// angular velocity of drilling and rolling, both in inertial axes. Each component of the velocity is
+  /// multiplied by the coefficient of friction in its direction, and both vectors together have norm 1. For a
+  /// joint with dry friction, along.x is the sign of its velocity.
   Vec3<> along = {}, about = {};
 
   bool same_as(const ClosedConstraint& other) const { return law == other.law && key == other.key; }
@@ -80,15 +80,16 @@ class ContactPhase {
   double reserve();
   /// For each constraint in the list `closed` of contacts, stops and joints with friction: slips() has its
   /// sliding velocity along the direction of sliding that is stored with it, and speeds() the norm of its
-  /// sliding velocity. Velocities of a contact are multiplied by their coefficients of friction. Both are
-  /// infinite for constraints without friction or that do not slide.
+  /// sliding velocity. In a contact, each component of the velocity (sliding, drilling, rolling) is
+  /// multiplied by the coefficient of friction in its direction. Both numbers are infinite for constraints
+  /// without friction or that do not slide.
   std::span<const double> slips() const { return slips_; }
   std::span<const double> speeds() const { return speeds_; }
   /// The certificate of the accelerations and forces of the phase (D11.7).
   double certificate();
   /// The contact forces of the phase.
   std::vector<ContactForce> forces();
-  /// Lets the stored directions follow the present sliding velocities.
+  /// Replaces the stored directions of sliding by the directions of the present sliding velocities.
   void follow_directions();
 
   /// The open contacts and stops at a state with accelerations a (nv).
@@ -102,7 +103,9 @@ class ContactPhase {
   /// sliding velocity, and those with the branch `stick` must be at rest.
   std::string decide(const Vector& q, const Vector& v, const Forces& forces);
 
-  /// Begins the phase with the constraints `next`. What stuck slides against the present friction.
+  /// Begins the phase with the constraints `next`. A contact that stuck before and slides in `next` begins to
+  /// slide opposite to its present friction force, unless its direction in `next` is clearly another one or
+  /// the friction forces are not unique.
   void take_next(const std::vector<ClosedConstraint>& next);
 
   /// A constraint with an impulse in an impact.
@@ -162,12 +165,12 @@ class ContactPhase {
   bool has_friction(std::size_t k) const;
   double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
   /// Writes the direction of the present sliding velocity of a contact to `s`, and returns the norm of this
-  /// velocity. Its components are the velocities in the friction rows of the contact, multiplied by the
-  /// coefficients of friction. Near rest, friction amplifies errors of the direction. Therefore, before the
-  /// direction is computed, the component of the velocity perpendicular to d_0 is shortened by `resolution`,
-  /// the error of velocities (m/s), or set to 0 if it is shorter (D11.29a). Here d_0 is the direction of
-  /// sliding that was stored for the contact at the start of the integration step. If the component along d_0
-  /// is negative, `s` has the opposite sign.
+  /// velocity. The components of the velocity are the velocities in the friction rows of the contact, each
+  /// multiplied by the coefficient of friction of its row. Let d_0 be the direction of sliding that is stored
+  /// for the contact. Near rest, an error of the velocity turns its direction. Therefore, before the
+  /// direction is computed, the part of the velocity perpendicular to d_0 is shortened by `resolution`, the
+  /// error of velocities (m/s), or set to 0 if it is shorter (D11.29a). If the velocity has a negative
+  /// component along d_0, `s` is multiplied by -1, so that it never points against d_0.
   double direction(std::size_t k, double* s) const;
   /// The components of the stored direction of a contact in the axes of its friction rows.
   std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;
@@ -176,9 +179,13 @@ class ContactPhase {
   ContactFrame axes_of(std::size_t k) const { return contact_frame(contacts_[k].normal); }
   /// Sets problem() of the system to the laws of `closed` for accelerations, with directed friction (D11.32).
   void set_directed_problem();
-  /// Lists the rows that the present branches hold at 0 in velocities, or only those of places.
+  /// Lists the rows whose velocities the present phase holds at 0 or at a prescribed value. If `of_places` is
+  /// set, lists only those that constrain q: the rows of closed contacts and stops, and of loop equations
+  /// with a position level.
   std::vector<int> held_rows(bool of_places) const;
-  /// The least motion in the metric of the masses that changes the velocities of these rows by -u.
+  /// Computes the least x with Rᵀ x = -u, where R has the columns of Y_ for the given rows (D11.30). x is a
+  /// change of the motion, in coordinates in which the mass matrix is the identity, that changes the gaps or
+  /// velocities u of these rows to 0.
   Vector correction(const std::vector<int>& rows, const Vector& u) const;
   double limit_of(const ClosedConstraint& c) const;  ///< friction of a dry joint, N m or N
 

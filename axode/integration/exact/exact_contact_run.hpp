@@ -44,14 +44,16 @@ class ExactContactRun : public SimulationRun {
   Failure switch_drives();
   void predict(double t_1, const Marks& at_end);
   /// Numbers of which one is negative if a contact, stop or joint with friction has opened, closed, begun or
-  /// ceased to slide before t: the least distance of the constraint forces from their limits, the sliding
-  /// velocities, the gaps of the contacts that were known at the start of the step, and the least of all new
-  /// gaps.
+  /// ceased to slide before t. They are the least distance of the constraint forces from their limits, the
+  /// velocity of each sliding constraint along its stored direction of sliding, the gap of each contact or
+  /// stop that was open at the start of the step, and the least gap of all contacts that were found since.
   std::vector<double> entries(double t, const Marks& marks) const;
   /// Shortens a step in which the phase ends to the time t_1 at which it does.
   Failure find_event(double& t_1, StepEnd& end, std::vector<double>& at_high, Marks& marks,
                      const Attempt& attempt);
-  /// The part of the step to t after which a sliding velocity that turns is closer to 0, or t itself.
+  /// The time at which a step to t should end. It is t, except if at t a sliding velocity has a negative
+  /// component along its stored direction without being near 0. The velocity has then turned, and the result
+  /// is the middle of the step.
   double before_turn(double t, const std::vector<double>& found, const Marks& marks) const;
   Failure look_ahead(double t, double t_far, double reserve_far, const Attempt& attempt,
                      std::vector<ClosedConstraint>& next);
