@@ -30,9 +30,10 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
 /// The directional derivative D_uν ... D_u1 J of the Jacobian of a place (a frame or a point on a body), nv
 /// columns: the tensor of its partial derivatives contracted with one direction u for each derivative.
 /// `directions` has `order` rows of nv numbers, the innermost direction u1 first. Any order >= 0 is allowed.
-/// O(m 3^order) screw products for m joint screws between the place and the ground; a run of k equal
-/// consecutive directions counts (k + 1)(k + 2)/2 in this product in place of 3^k. Allocates 2^order screws
-/// for each joint screw and each run, a run counting k + 1 in place of 2^k; throws std::invalid_argument for
+/// If no two consecutive directions are equal, the cost is O(m 3^order) screw products for m joint screws
+/// between the place and the ground, and (m + order) 2^order screws are allocated. A run of k equal
+/// consecutive directions reduces both: it counts as one direction in the sum m + order, and in the powers
+/// its factor is (k + 1)(k + 2)/2 instead of 3^k, and k + 1 instead of 2^k. Throws std::invalid_argument for
 /// a number of screws that no memory can hold.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,

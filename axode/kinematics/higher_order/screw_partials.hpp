@@ -53,8 +53,9 @@ template <class Rep, class T> class ScrewPartials {
         chain_(static_cast<std::size_t>(order)),
         tails_(static_cast<std::size_t>(order)) {}
 
-  /// Calls f(alpha, a, X) with the partial derivative X of every joint screw a along every multi-index alpha
-  /// of directions. Ends early if should_continue() returns false.
+  /// Calls f(alpha, a, X) for every joint screw a of the path and every multi-index alpha, a list of `order`
+  /// indices of joint screws. X is the partial derivative of screw a with respect to the joint coordinates of
+  /// the screws in alpha, by alpha[0] first. Ends early if should_continue() returns false.
   template <class F> void each(const std::function<bool()>& should_continue, const F& f) {
     std::fill(alpha_.begin(), alpha_.end(), 0);
     for (bool more = true; more;) {
@@ -74,7 +75,7 @@ template <class Rep, class T> class ScrewPartials {
   int joint(int a) const { return screws_[static_cast<std::size_t>(a)].joint; }
   const PathScrew<T>& screw(int a) const { return screws_[static_cast<std::size_t>(a)]; }
 
-  /// Calls f(a, X) with the derivative X of every screw a along the present multi-index alpha_.
+  /// Calls f(a, X) with the derivative X of every joint screw a along the screws in the multi-index alpha_.
   template <class F> void along(const F& f) {
     sort();
     if constexpr (std::same_as<Rep, BodyFixed>) {
@@ -217,9 +218,9 @@ template <class T> class DirectionalDerivatives {
   }
 
  private:
-  /// A run of `length` equal consecutive directions u (nv numbers). A part, which has the number of
-  /// directions that a set contains of each run, is written as one index S; the number for this run is S /
-  /// stride % (length + 1).
+  /// A run: `length` equal consecutive directions u (nv numbers) of the list of given directions. A selection
+  /// of directions from this list matters only by its number of directions from each run. It is called a
+  /// part, and these numbers are coded as one index S: the number from this run is S / stride % (length + 1).
   struct Run {
     const T* u;
     std::size_t length, stride;
@@ -229,15 +230,16 @@ template <class T> class DirectionalDerivatives {
   std::size_t count(std::size_t run, std::size_t S) const {
     return S / runs_[run].stride % (runs_[run].length + 1);
   }
-  /// The first run of which the part S contains a direction. S must contain at least one.
+  /// The first run from which the part S (a selection of directions) has a direction. S must not be empty.
   std::size_t lowest(std::size_t S) const {
     std::size_t s = 0;
     while (count(s, S) == 0) ++s;
     return s;
   }
-  /// Calls f(A, weight) for all parts A of a part S. A part contains a number of directions from each run of
-  /// equal directions, and those of A are not more than those of S. `weight` is the number of ways to choose
-  /// the directions of A from those of S.
+  /// Calls f(A, weight) for all parts A of a part S. A part is a selection from the given directions,
+  /// described by its number of directions from each run of equal consecutive directions. None of the numbers
+  /// of A is more than the number of S for the same run. `weight` is the number of ways to choose the
+  /// directions of A from those of S.
   template <class F> void each_part(std::size_t S, const F& f) const { each_part(S, runs_.size(), 0, 1, f); }
   template <class F>
   void each_part(std::size_t S, std::size_t runs, std::size_t A, double weight, const F& f) const {
@@ -254,11 +256,12 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Computes the derivatives of the joint screws begin to end - 1 of the path, which belong to one joint,
-  /// along all sets of the given directions u_s; sets with the same derivatives are computed once. W_ has the
-  /// twist W(u_s) of a body for the joint velocities of each direction u_s, and the derivatives of this twist
-  /// along these sets. Before the call the body is the predecessor of the joint's body, and after the call
-  /// the joint's body.
+  /// Computes the derivatives of the joint screws begin to end - 1 of the path, which belong to one joint:
+  /// for each selection of the given directions u_s, the mixed derivative along all directions in it.
+  /// Selections with the same number of directions from each run of equal consecutive directions have the
+  /// same derivative, which is computed once. W_ has the twist W(u_s) of a body for the joint velocities of
+  /// each direction u_s, and the derivatives of this twist along these selections. Before the call the body
+  /// is the predecessor of the joint's body, and after the call the joint's body.
   void body(std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) J_[c * parts_] = path_.screws[c].spatial;
     for (std::size_t S = 0; S < parts_; ++S) {
