@@ -25,10 +25,11 @@ struct DrawnJoint {
   std::array<JointSide, 2> sides;  ///< the predecessor and the body, or both bodies of a loop joint
 };
 
-/// The shapes by which a joint is drawn. A hinge is a pin, in a fork of the predecessor or, if the bodies are
-/// drawn at different heights, through an eye of each body. A spherical joint is a ball in a socket, a
-/// helical joint a thread in a nut, a planar joint a pad on a plate, and a prismatic joint a sleeve. Shapes
-/// on bodies that are not drawn are left out. Free joints have no shapes.
+/// The shapes by which a joint is drawn. A hinge is a pin in a fork of the predecessor. In planar mechanisms
+/// the bodies are drawn in layers, at different heights along the axis of the hinge; the pin then goes
+/// through an eye of each body. A spherical joint is a ball in a socket, a helical joint a thread in a nut, a
+/// planar joint a pad on a plate, and a prismatic joint a sleeve. Shapes on bodies that are not drawn are
+/// left out. Free joints have no shapes.
 std::vector<StandIn> parts_of(const DrawnJoint& joint);
 
 }  // namespace axode::view

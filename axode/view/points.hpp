@@ -16,7 +16,8 @@ class Points {
 
   /// Point of the joint of body i; empty if the joint has no point.
   const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
-  /// The corners of the points on a body, no two of which are nearer than a hundredth of the size.
+  /// Points between which a body is drawn, in its frame (m): all of them or, if there are more than 60, those
+  /// at the outside. No two are nearer to each other than a hundredth of size().
   const std::vector<Vec3<>>& distinct(int body) const { return distinct_[body]; }
   /// For each body that is fixed to the ground, by its name, the points between which it is drawn, in the
   /// inertial frame (m): the points of its joints, its centre of mass, the origins of bodies that are fixed
@@ -24,8 +25,9 @@ class Points {
   /// because it may be anywhere.
   const std::map<std::string, std::vector<Vec3<>>>& fixed() const { return fixed_; }
   std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) const;
-  /// The length (m) of a body: the diagonal of a box around its points or, if it has only one point, twice
-  /// the distance of its centre of mass from this point.
+  /// The length (m) of a body. It is the diagonal of a box along the axes of the body frame around the points
+  /// of the joints, frames, loops, springs and drives on the body or, if this is more, twice the distance of
+  /// the centre of mass from the first of these points.
   double length(int body) const { return lengths_[body]; }
   /// Height of the lowest point in the reference configuration, m.
   double lowest(const Vec3<>& up) const;

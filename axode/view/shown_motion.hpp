@@ -48,9 +48,9 @@ struct MotionNumbers {
   };
   std::vector<Series> series;
   /// Twists of the bodies, wrenches that their joints transmit, and momenta of the bodies, all spatial: six
-  /// numbers for each time and body. `wrenches` is empty if they cannot be computed. This is so if the
-  /// accelerations are not known, if the model has loops whose constraint forces cannot be computed or whose
-  /// drive forces are not known, or if there are contacts of shapes that the model lacks.
+  /// numbers for each time and body. `wrenches` is empty if they cannot be computed: if the accelerations are
+  /// not known, if the motion has contacts of a shape whose name the model does not have, or, in a model with
+  /// loops, if the drive forces are not known or the constraint forces of the loops cannot be computed.
   std::vector<double> twists, wrenches, momenta;
   /// Wrenches (spatial) that the loop joints exert on their second bodies: six numbers for each time and loop
   /// joint. Empty if the model has no loop joints, or if `wrenches` is empty because the wrenches of the
