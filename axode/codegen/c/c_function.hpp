@@ -19,14 +19,16 @@ struct Precision {
 };
 
 /// Makes the declaration of a recorded function (a list of operations) in C: `HEAD(const TYPE *AXODE_RESTRICT
-/// q, ..., TYPE *AXODE_RESTRICT tauTAIL)`. q and tau stand for the names of its arguments and its result, and
-/// HEAD, TYPE and TAIL for the texts `head`, `type` and `tail`.
+/// q, ..., TYPE *AXODE_RESTRICT tauTAIL)`. q and tau stand for the names of its arguments and its result.
+/// HEAD and TYPE are the texts `head` and `type`, and TAIL is the text `tail`: further parameters, each after
+/// a comma, or nothing.
 std::string c_declaration(const Recording& recording, const std::string& head, const std::string& type,
                           const std::string& tail);
 /// Makes the declaration of a recorded function (a list of operations) with the name NAME in C: `void
-/// NAME(const double *AXODE_RESTRICT q, ..., double *AXODE_RESTRICT tauTAIL)`, where TAIL is the text `tail`.
-/// The return type is int if the function reports that the mass matrix may be singular. In single precision,
-/// float replaces double.
+/// NAME(const double *AXODE_RESTRICT q, ..., double *AXODE_RESTRICT tauTAIL)`. q and tau stand for the names
+/// of its arguments and its result, and TAIL is the text `tail`: further parameters, each after a comma, or
+/// nothing. The return type is int if the function reports that the mass matrix may be singular. In single
+/// precision, float replaces double.
 std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision,
                         const std::string& tail = "");
 
