@@ -37,9 +37,12 @@ constexpr std::string_view to_string(LawBranch branch) {
   return "slide";
 }
 
-/// Adds the impulse of one contact to the force and the moment of `out`. `block` is the index of the contact
-/// in the problem, `lambda` has the multipliers of all scalar constraints of the problem, and `normal` is the
-/// normal of the contact from which its constraints were made.
+/// Adds the impulse of one contact in a step to `out`: to `force` the impulse on shape b (N s) that acts at
+/// the contact point, and to `moment` the impulse of the couple on b (N m s) by drilling and rolling
+/// friction. If the multipliers of the problem are impulses, the caller divides the sums by the length of the
+/// step to make them forces; if it is a problem of accelerations, they are forces already. `block` is the
+/// index of the contact in the problem, `lambda` has the multipliers of all scalar constraints of the
+/// problem, and `normal` is the normal of the contact from which its constraints were made.
 void add_impulse(const VelocityProblem& problem, std::size_t block, const double* lambda,
                  const Vec3<>& normal, ContactForce& out) noexcept;
 /// Whether one contact is open, sticks or slides after a step. It is open if its normal multiplier is not

@@ -5,7 +5,7 @@ namespace axode {
 
 /// The derivative of the solution of a VelocityProblem along given directions, a column for each direction.
 struct ProblemDerivative {
-  Eigen::MatrixXd multipliers;  ///< dλ in scaled rows, rows × directions
+  Eigen::MatrixXd multipliers;  ///< dλ of rows scaled by friction coefficients, rows × directions
   Eigen::MatrixXd motion;       ///< d(w + Y λ), nv × directions
   /// Whether the motion has a derivative along the given directions. It may have none if contacts that
   /// slide are redundant, so that the laws do not determine how they share a load, or if the prescribed
@@ -17,19 +17,20 @@ struct ProblemDerivative {
 };
 
 /// Differentiates the multipliers λ of constraint rows that solve a problem of contact (D11.11), along k
-/// changes of its data. The velocities of the rows are u = Yᵀ (w + Y λ) + r with the data w (the motion
-/// without impulses), Y (the scaled Jacobian) and r; friction rows are multiplied by their coefficients.
-/// dx (nv × k) has the changes dw + dY λ, and du (rows × k) the changes dYᵀ (w + Y λ) + dr. If contacts
-/// are redundant, so that the laws do not determine how they share a load, dλ is not unique; then the dλ
-/// with the least Σ d² dλ² is returned, where d² is about the diagonal entry of Yᵀ Y for a row. Allocates;
-/// O(rows³).
+/// changes of its data w, Y and r. The velocities of the rows are u = Yᵀ (w + Y λ) + r. With the mass matrix
+/// M = Lᵀ D L, w is D^½ L v for the joint velocities v without impulses, and Y = D^-½ L⁻ᵀ Jᵀ for the Jacobian
+/// J of the rows. r has a given velocity for each row, such as the one with which a contact bounces. Friction
+/// rows of J, r and u are multiplied by their coefficients of friction. dx (nv × k) has the changes dw + dY
+/// λ, and du (rows × k) the changes dYᵀ (w + Y λ) + dr. If contacts are redundant, so that the laws do not
+/// determine how they share a load, dλ is not unique; then the dλ with the least Σ d² dλ² is returned, where
+/// d² is about the diagonal entry of Yᵀ Y for a row. Allocates; O(rows³).
 ProblemDerivative differentiate(const VelocityProblem& problem, const double* lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
 
 /// The derivative of multipliers that obey contact laws, a column for each of the given directions.
 struct LawDerivative {
-  Eigen::MatrixXd multipliers;          ///< dλ in scaled rows, rows × directions
+  Eigen::MatrixXd multipliers;          ///< dλ of rows scaled by friction coefficients, rows × directions
   bool unique = true, at_kink = false;  ///< see ProblemDerivative
 };
 

@@ -111,16 +111,18 @@ class VelocityProblem {
 /// The certificate of multipliers λ of constraint rows, which says by how much they violate the laws of
 /// contact, relative to the motion; it is 0 if the laws hold (D11.7). It is |d (λ - resolve(λ - u/d²))| /
 /// (|w| + |Y λ|) with the velocities u of the rows, the motion w without impulses and the motion Y λ that the
-/// impulses add, where Y is the transposed Jacobian of the rows, scaled by the masses. `resolve` maps a trial
-/// impulse to the impulse that the law allows. d is a number for each row with d² near the diagonal entry of
-/// Yᵀ Y: u/d² is then an impulse, and d times an impulse is a motion like Y λ. Rounding errors make the
-/// certificate 1e-12; it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
+/// impulses add. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows and the mass matrix Lᵀ D L. `resolve` maps a
+/// trial impulse to the impulse that the law allows. d is a number for each row with d² near the diagonal
+/// entry of Yᵀ Y: u/d² is then an impulse, and d times an impulse is a motion like Y λ. Rounding errors make
+/// the certificate 1e-12; it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv()
+/// numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes the certificate of multipliers λ of constraint rows, the relative error of the laws of
-/// contact, from the error of each row. `residual` has the difference between the multiplier λ and the one
-/// that the law allows for the row's velocity. The impulses change the joint velocities v by L⁻¹ D^-½ t
-/// with t = Y λ (nv() numbers) and Y = D^-½ L⁻ᵀ Jᵀ, where Lᵀ D L is the mass matrix and J the Jacobian of
-/// the rows.
+/// Computes the certificate |d ρ| / (|w| + |t|) of multipliers λ of constraint rows, which says by how much
+/// they violate the laws of contact (D11.7). `residual` has the ρ of each row: the difference between the
+/// multiplier λ and the one that the law allows for the row's velocity. w is the motion without impulses, and
+/// t = Y λ (nv() numbers) the motion that the impulses add, both as x = D^½ L v for joint velocities v and
+/// the mass matrix M = Lᵀ D L. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows, and d² is about the diagonal
+/// entry of Yᵀ Y for a row.
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

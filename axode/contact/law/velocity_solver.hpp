@@ -25,9 +25,10 @@ struct [[nodiscard]] VelocitySolution {
 /// contacts (D11.10a), and from disturbed multipliers. The result is the multipliers with the least
 /// certificate, and this certificate.
 ///
-/// The unknowns are velocities or multipliers, whichever takes fewer operations. Matrices in velocities are
-/// factorised along the bodies that touch, see SparseFactor, by Cholesky's method while no contact slides.
-/// Matrices in multipliers are dense and take O(rows³).
+/// The unknowns of Newton's method are velocities or multipliers, whichever takes fewer operations. If they
+/// are velocities, its matrices are sparse, because a contact couples only the velocities that move its two
+/// bodies. These matrices are factorised in an order of least degree, see SparseFactor, by Cholesky's method
+/// while no contact slides. If the unknowns are multipliers, the matrices are dense and take O(rows³).
 class VelocitySolver {
  public:
   /// Allocates memory for problems with up to nv velocities and up to `rows` rows.
@@ -82,11 +83,11 @@ class VelocitySolver {
   template <class Residual>
   bool search(const Vector& from, const Vector& direction, Vector& to, double& norm,
               const Residual& residual) noexcept;
-  /// Improves the multipliers λ by Newton's method for the laws of contact λ = resolve(λ - u/d²), where u
-  /// are the velocities of the rows for λ, d² is the scale of a row, and `resolve` maps a trial impulse to
-  /// the impulse that the law allows (D11.9). Returns the certificate of λ, the relative error of the
-  /// laws. The iteration ends at the tolerance, or after more than `patience` steps that do not halve the
-  /// least certificate.
+  /// Improves the multipliers λ by Newton's method for the laws of contact λ = resolve(λ - u/d²), where u are
+  /// the velocities of the rows for λ, and `resolve` maps a trial impulse to the impulse that the law allows
+  /// (D11.9). d² is about the diagonal entry of J M⁻¹ Jᵀ for a row, with the Jacobian J of the rows and the
+  /// mass matrix M. Returns the certificate of λ, the relative error of the laws. The iteration ends at the
+  /// tolerance, or after more than `patience` steps that do not halve the least certificate.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
   /// Makes, for each block of constraint rows (such as the rows of one contact), the matrix B of Newton's
@@ -98,16 +99,18 @@ class VelocitySolver {
   /// without which the inverse does not exist if the block sticks, because then Z = 1 (D11.9). Returns
   /// whether the matrices of all blocks are symmetric.
   bool make_matrices(double kept) noexcept;
-  /// Factorises the matrix 1 + Y B Yᵀ of Newton's method in velocities, where the block-diagonal matrix B has
-  /// the matrices of make_matrices(). `symmetric` says whether all of them are symmetric.
+  /// Factorises the matrix 1 + Y B Yᵀ of Newton's method in velocities. Y = D^-½ L⁻ᵀ Jᵀ for the Jacobian J of
+  /// the constraint rows and the mass matrix Lᵀ D L, and the block-diagonal matrix B has the matrices of
+  /// make_matrices(). `symmetric` says whether all of them are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
   /// Factorises the matrix of Newton's method whose unknowns are the multipliers λ. Z is the derivative of
   /// the map `resolve` from a trial impulse to the impulse that the law of contact allows. u are the
   /// velocities of the constraint rows, R is a factor by which they are divided to become impulses, and Yᵀ Y
-  /// is the Delassus operator. For a proximal step, λ = resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and
-  /// the matrix is 1 + Z R⁻¹ Yᵀ Y. For the laws themselves, λ = resolve(λ - u/R), it is 1 - (1 - kept) Z + Z
-  /// R⁻¹ Yᵀ Y with a small number `kept` > 0, which makes it regular if contacts are redundant (D11.9).
+  /// = J M⁻¹ Jᵀ is the Delassus operator, with the Jacobian J of the rows and the mass matrix M. For a
+  /// proximal step, λ = resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and the matrix is 1 + Z R⁻¹ Yᵀ Y.
+  /// For the laws themselves, λ = resolve(λ - u/R), it is 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with a small number
+  /// `kept` > 0, which makes it regular if contacts are redundant (D11.9).
   void factorize_multipliers(double kept) noexcept;
   /// Computes a := B a with the block-diagonal matrix B that has the matrices of make_matrices().
   void multiply_blocks(Vector& a) const noexcept;
@@ -117,7 +120,9 @@ class VelocitySolver {
   /// impulses of every block of constraint rows (such as the rows of one contact) to impulses that the law of
   /// the block allows. If `on_laws`, this map is resolve(): impulses λ and velocities u obey the exact law if
   /// and only if λ = resolve(λ - u/R), for any R > 0. Otherwise it is the projection on the friction cone,
-  /// and the tangential speed is added to the normal velocity of each contact (De Saxcé's form of the law).
+  /// and the tangential speed times the coefficient of friction is added to the normal velocity of each
+  /// contact (De Saxcé's form of the law). The factor is contained in u, because friction rows are multiplied
+  /// by their coefficients.
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;
   double largest_eigenvalue() noexcept;
