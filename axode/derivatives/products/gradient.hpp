@@ -93,11 +93,12 @@ template <class G, class T> struct InverseDynamicsGradient {
     }
   }
 
-  /// Takes a load W on body i into account. It must be called after forward() and before backward(). It
-  /// subtracts W from the wrench that the body needs for its motion, and the argument `n` from the wrench
-  /// (n_m; n_f) of the body, which backward() sums over subtrees (D1.21). The argument `n` is the gradient of
-  /// the power W | Λ with respect to a displacement of the body, by which W changes but not Λ. Λ is the twist
-  /// that the body would have if the joints moved with the weights λ of λ·τ as velocities.
+  /// Takes a load into account, the wrench W that is applied to body i. It must be called after forward() and
+  /// before backward(). It subtracts W from the wrench that the body needs for its motion, and the argument
+  /// `n` from (n_m; n_f), the part of the gradient of λ·τ that is due to changes of loads when bodies are
+  /// displaced. The argument `n` is the gradient of the power W | Λ with respect to a displacement of the
+  /// body, by which W changes but not Λ (D1.21). Λ is the twist that the body would have if the joints moved
+  /// with the weights λ of λ·τ as velocities.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);
