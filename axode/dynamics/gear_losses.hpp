@@ -59,8 +59,10 @@ class ResistingForces {
     int slide, sign;
     bool operator==(const Piece&) const = default;
   };
-  /// A limit beyond which the friction law of a joint, which is linear in pieces, follows another piece:
-  /// `value` is positive before the limit is reached, and `beyond` is the state of the joint after it.
+  /// A limit of the present piece of a joint, within which its friction law is linear. The law relates the
+  /// friction force x, the transmitted force F and the acceleration a of the joint. `value` is positive
+  /// before the limit and 0 at it. `beyond` is the piece after the limit: the direction of sliding, or 0 if
+  /// the joint sticks, and the sign of F.
   struct Boundary {
     double value;
     Piece beyond;

@@ -205,8 +205,10 @@ template <class T> Screw<T> unit_screw(std::size_t k) {
   return {{e[0], e[1], e[2]}, {e[3], e[4], e[5]}};
 }
 
-/// The angle about the z-axis of a rotation R (D16.8), from -π to π, with its first and second derivatives.
-/// The gradient g and the derivatives of g are those for displacements R → R exp(η) with rotation vectors η.
+/// The twist angle about the z-axis of a rotation R, from -π to π, with its first and second derivatives. It
+/// is 2 atan2(z, w) for the unit quaternion (x, y, z, w) of R (D16.8): R is a rotation by this angle about z,
+/// followed by a rotation about an axis normal to z. The gradient g and the derivatives of g are those for
+/// displacements R → R exp(η) with rotation vectors η.
 template <class T> struct TwistAngle {
   T angle;
   Vec3<T> g;

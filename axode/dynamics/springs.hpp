@@ -22,9 +22,9 @@
 namespace axode {
 
 /// The generalised forces τ (nv; N m or N) of all springs, dampers and end stops. Springs, dampers and stops
-/// of joints cost O(n) in total. A spring element costs O(d), for each straight segment if it acts along a
-/// path of points, with d joints in its sum of joints or between the ground and the points or frames on which
-/// it acts.
+/// of joints cost O(n) in total. A spring element on a sum of joint coordinates costs O(d) for d joints in
+/// the sum. Any other spring element acts on points or frames, with d joints between them and the ground. It
+/// costs O(d), or O(d) for each straight segment if it acts along a path of points.
 template <class T>
 void spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                    std::type_identity_t<std::span<T>> tau);
@@ -39,9 +39,10 @@ template <class T> T elastic_energy(const Model& model, Workspace<T>& workspace,
 
 /// Returns the coordinate x (m or rad) of spring element k of the model and, unless `gradient` is empty,
 /// ∂x/∂q (nv entries), the negative moment arms of the tension. Throws std::invalid_argument for a bushing,
-/// which has no coordinate, and for a k that is not the index of a spring element. Costs O(d), for each
-/// straight segment if the element acts along a path of points, with d joints in its sum of joints or between
-/// the ground and the points or frames on which it acts.
+/// which has no coordinate, and for a k that is not the index of a spring element. If the element acts on a
+/// sum of joint coordinates, the cost is O(d) for d joints in the sum. Otherwise d is the number of joints
+/// between the ground and the points or frames on which the element acts, and the cost is O(d), or O(d) for
+/// each straight segment if it acts along a path of points.
 template <class T>
 T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<T> q,
                     std::type_identity_t<std::span<T>> gradient = {});
