@@ -64,8 +64,9 @@ class DriveTangentSteps {
 
   DriveSteps steps;  ///< present state
   /// The displacements of the present state: dq of q, and dy of the velocities v and the states x of the
-  /// drives, with a column for each direction. The last column is the change of the state if the step becomes
-  /// longer.
+  /// drives, with a column for each direction and one more. The last column is the derivative of the state by
+  /// the length of the last part of the step (per s). A step is divided into parts at the times when laws of
+  /// drives change their form.
   TangentSteps tangent;
 
   /// Advances the motion to the time t_1 under the drive forces tau (nv). Also advances the displacements of

@@ -25,17 +25,19 @@
 /// without end, all results are NaN. The functions allocate.
 namespace axode {
 
-/// Receives the states (q, v, x) of a motion of K steps, K + 1 rows of each, and for each step, row by row,
-/// the derivatives of the state at its end: A (n × n with n = 2nv + nx) by the state at its start, B (n × nv)
-/// by the drive forces τ and C (n × nu) by constants added to the inputs that are functions of time, nu
-/// inputs in the order of their drives. The first nv rows, and columns of A, are those of q, the next nv
-/// those of v. The spans must not overlap.
+/// Receives the states (q, v, x) of a motion of K steps, K + 1 rows of each, where x are the nx states of the
+/// drives. For each step it also receives, row by row, the derivatives of the state at its end: A (n × n with
+/// n = 2nv + nx) by the state at its start, B (n × nv) by the drive forces τ and C (n × nu) by constants
+/// added to the inputs that are functions of time, nu inputs in the order of their drives. The first nv rows,
+/// and columns of A, are those of q, the next nv those of v. The spans must not overlap.
 struct DriveRolloutDerivatives {
   std::span<double> q, v, x, A, B, C;
 };
-/// Computes a motion of K steps of length `step` (s) from the state (q, v, x) under K rows of nv drive
-/// forces, and its derivatives. Each stage of the method costs O(n³) for n = 2nv + nx. If monitor() returns
-/// false, the computation ends.
+/// Computes a motion of K steps of length `step` (s) that begins at time t (s) in the state (q, v, x), with
+/// the states x of the drives (nx numbers, or none to let the drives choose), under the drive forces `tau` (K
+/// rows of nv numbers). Also computes, for each step, the derivatives of the state at its end by the state at
+/// its start, by the drive forces and by the inputs of the drives. Each stage of the method costs O(n³) for n
+/// = 2nv + nx. If monitor() returns false, the computation ends.
 Solvability rollout_derivatives_with_drives(const Model& model, const DriveSystem& drives, double t,
                                             std::span<const double> q, std::span<const double> v,
                                             std::span<const double> x, std::span<const double> tau,
@@ -44,7 +46,8 @@ Solvability rollout_derivatives_with_drives(const Model& model, const DriveSyste
                                             const Tableau& method = runge_kutta(4),
                                             const std::function<bool()>& monitor = {});
 
-/// Displacements of the initial state, of the drive forces (K rows of nv) and of the inputs (K rows of nu).
+/// Displacements of the initial state q, v and x (the states of the drives), of the drive forces τ (K rows of
+/// nv numbers), and of the inputs u of the drives (K rows of nu numbers).
 struct DriveTangents {
   std::span<const double> q, v, x, tau, u;
 };

@@ -11,10 +11,11 @@
 /// All joints start and arrive together. The duration is the shortest one with which such profiles keep every
 /// joint within its limits.
 ///
-/// The trajectory begins at t = 0 and is exact at all times. It has one state if start and goal are equal,
-/// and otherwise about fifty, and one at each jump of an acceleration. Coupled joints follow their leaders;
-/// their limits are ignored. Loops are open between start and goal, as controllers follow driven joints only.
-/// O(n).
+/// The trajectory begins at t = 0. If start and goal are equal, it has one state. Otherwise it has about
+/// fifty states, and one at each jump of an acceleration. Between the states Trajectory::at() interpolates by
+/// polynomials of degree 5, which is exact because the profiles are polynomials of degree 5 or less there.
+/// Coupled joints follow their leaders; their limits are ignored. Loops are open between start and goal, as
+/// controllers follow driven joints only. O(n).
 ///
 /// The functions throw std::invalid_argument for wrong sizes, numbers that are not finite, quaternions that
 /// are not of unit norm, a goal outside the limits of the joints, and limits that are not positive.

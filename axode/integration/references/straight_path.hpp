@@ -29,14 +29,17 @@ class StraightPath {
   /// The joints whose start and goal differ.
   std::span<const Joint> joints() const { return joints_; }
 
-  /// Converts limits on velocities, accelerations or jerks to limits along the paths of the joints that move.
-  /// `given` has one limit for each velocity, or one for all, in rad or m per s, s² or s³; `name` names them
-  /// in messages. Throws std::invalid_argument unless they are positive and finite.
+  /// Converts limits on velocities, accelerations or jerks to one limit for each joint that moves. It is the
+  /// largest speed, acceleration or jerk of the distance that the joint has gone along its path at which the
+  /// joint keeps all its limits. `given` has one limit for each velocity, or one for all. Limits are in rad
+  /// or m per s, s² or s³. `name` names `given` in messages. Throws std::invalid_argument unless the limits
+  /// are positive and finite.
   std::vector<double> limits(const char* name, std::span<const double> given) const;
-  /// Converts velocity limits to limits along the paths of the joints that move. `given` has a limit for each
-  /// velocity, or one for all (rad/s or m/s), which may be infinite. If it is empty, the limits of the model
-  /// are taken, which must then be above 0 for joints that move. Throws std::invalid_argument for limits that
-  /// are not positive.
+  /// Returns one speed (rad/s or m/s) for each joint that moves: the largest rate of the distance that the
+  /// joint has gone along its path at which the joint keeps all its velocity limits. `given` has a limit for
+  /// each velocity, or one for all (rad/s or m/s), which may be infinite. If it is empty, the limits of the
+  /// model are taken, which must then be above 0 for joints that move. Throws std::invalid_argument for
+  /// limits that are not positive.
   std::vector<double> velocity_limits(std::span<const double> given) const;
 
   /// A function that writes how far each of the joints that move has gone along its path at time t, which is
