@@ -192,9 +192,11 @@ template <class Rep, class T> struct ArticulatedBodies {
   template <TreeOf<T> AnyTree> void backward_step_at_ground(const AnyTree& tree, const T* x) noexcept {
     for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) backward_step_of_tie(tree, 0, t, x);
   }
-  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i (0 is the ground), with its pivot
-  /// D_c and the entry u_c of u = L⁻ᵀ x that the backward sweep has computed from the right sides x, with the
-  /// mass matrix Lᵀ D L.
+  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i (0 is the ground), in a sweep from
+  /// the leaves to the ground. These are the velocities of the joint of body i, unless it shares them with
+  /// other, coupled joints; a shared velocity is eliminated at the body, or the ground, where the paths from
+  /// the joints to the ground meet. D_c is the pivot of the velocity, and u_c is the entry of u = L⁻ᵀ x that
+  /// the backward sweep has computed from the right sides x, with the mass matrix Lᵀ D L.
   template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
     const Topology::Ties& ties = tree->ties;
     if (i > 0 && ties.own[i] < 0)
@@ -270,32 +272,36 @@ template <class Rep, class T> struct ArticulatedBodies {
   static bool own_tie_ends(const Topology::Ties& ties, int i) {
     return ties.own[i] >= 0 && ties.up[ties.own[i]] < 0;
   }
-  /// Whether tie o of body i is eliminated after tie t of this body. A tie is a velocity that coupled joints
-  /// share.
+  /// Whether tie o of body i is eliminated after tie t of this body. A tie is a pair of a body and a velocity
+  /// that coupled joints share.
   static bool waits(const Topology::Ties& ties, int i, int o, int t) {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
   /// The inertias that couple joint screw s of body i with the ties of this body: entries of the mass matrix
-  /// after the elimination of the velocities that come earlier in its order. A tie is a velocity that several
-  /// coupled joints share, at a body on the paths from these joints to the body where the paths meet. Entry t
-  /// of the returned pointer belongs to tie t.
+  /// after the elimination of the velocities that come earlier in its order. A tie is a pair of a velocity
+  /// that several coupled joints share and a body on the paths from these joints to the body where the paths
+  /// meet. Ties are numbered through all bodies. Entry t of the returned pointer belongs to tie t of body i.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
   /// The inertias that couple tie t with the ties of the same body: the row of tie t in the mass matrix that
-  /// is left after the elimination of earlier velocities. A tie is a velocity that several coupled joints
-  /// share, at a body on the paths from these joints to the body where the paths meet. Entry o of the
-  /// returned pointer belongs to tie o. There are entries only for ties in the group of t; Topology::Ties
-  /// divides the ties of a body into groups that the elimination does not couple with each other.
+  /// is left after the elimination of earlier velocities. A tie is a pair of a velocity that several coupled
+  /// joints share and a body on the paths from these joints to the body where the paths meet. Ties are
+  /// numbered through all bodies. Entry o of the returned pointer belongs to tie o. There are entries only
+  /// for ties in the group of t; Topology::Ties divides the ties of a body into groups that the elimination
+  /// does not couple with each other.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
-  /// Adds screw s of body i, whose joint is coupled, to the column of the articulated inertia for the
-  /// velocity that the joint shares with others (its tie).
+  /// Adds the share of joint screw S = S[s] of body i, whose joint is coupled, to the tie of the velocity
+  /// that the joint shares with others. The tie is a column that extends the articulated inertia M of the
+  /// body. It has the wrench U_tie on the body for a unit rate of this velocity, to which M S is added, and
+  /// the inertias D_tie that couple it with the ties of the body, to which the powers of the wrenches of
+  /// these ties along S are added.
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
     const int own = ties.own[i];

@@ -129,10 +129,12 @@ template <class T> struct SpatialMomentumForm {
         velocity(arena.per_velocity<T>()),
         x(arena.per_velocity<T>()) {}
 
-  /// Writes the joint velocities v (nv numbers) and the rates Π' of the momenta of the n bodies, which may
-  /// share the memory of arguments. v is computed without armatures, and Π' with them. If the mass matrix
-  /// without armatures is singular, v and Π' are NaN. Π' alone is NaN if the mass matrix with armatures is
-  /// found to be singular or a number is not finite. O(n).
+  /// Writes the joint velocities v (nv numbers) that belong to the momenta Π of the n bodies, and the rates
+  /// Π' of these momenta. The results may share the memory of arguments. v is computed from Π with the mass
+  /// matrix without armatures, because armatures have no part in the momenta of bodies. Π' contains
+  /// accelerations, which are computed with the mass matrix with armatures. If the mass matrix without
+  /// armatures is singular, v and Π' are NaN. Π' alone is NaN if the mass matrix with armatures is found to
+  /// be singular or a number is not finite. O(n).
   Solvability run(const Tree<T>& tree, const T* q, const Momentum<Spatial, T>* Pi, const T* tau,
                   const Loads<T>& loads, T* v, Wrench<Spatial, T>* dPi) noexcept {
     joint_poses(tree, q, bodies.links.C_pi);
