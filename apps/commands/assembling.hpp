@@ -22,8 +22,9 @@ struct Assembling {
 };
 /// Adds the options --assemble and --hold to a command.
 void add_assembly_options(CLI::App& app, Assembling& assembling);
-/// Moves the joints of a state until the loops close, if --assemble is given. Throws InputError if this
-/// fails, and UsageError if --hold is given without --assemble or names a coupled joint.
+/// If --assemble is given, moves the joints of a state until the loops close; joints that --hold names do not
+/// move. Throws InputError if the loops cannot be closed, and UsageError if --hold is given without
+/// --assemble or names a coupled joint.
 void assemble(const Model& model, const Assembling& assembling, State& state);
 
 }  // namespace axode::command

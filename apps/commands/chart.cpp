@@ -328,8 +328,8 @@ class Script {
   }
 
   /// Chooses the colours of curves. If all curves belong to different bodies, each has the colour of its
-  /// body. Otherwise curve k has colour k of the palette, unless a colour number is set in the curve. Marks
-  /// are black.
+  /// body. Otherwise curve k has colour k of the palette, unless a colour number is set in the curve, and
+  /// curves that are drawn as marks (short horizontal lines) are black.
   static std::vector<std::string> colors_of(const std::vector<const Curve*>& curves) {
     std::vector<std::string> of_bodies, colors;
     for (std::size_t k = 0; k < curves.size(); ++k) {

@@ -17,9 +17,11 @@ namespace {
 
 constexpr double rigid = std::numeric_limits<double>::infinity();
 
-/// Sets the elastic drives (nv) of the joints for which the description of the model has a drive of the kind
-/// series_elastic. Throws InputError if such a drive acts on several joints or with a factor other than 1, or
-/// has damping or viscous friction: the feed-forward does not support these.
+/// Copies the stiffness and the motor inertia (referred to the joint) of each series_elastic drive in the
+/// model's description to the elastic drive of its joint. `drives` has one entry for each of the nv
+/// velocities. Throws InputError if a series_elastic drive acts on several joints or with a factor other than
+/// 1, or has damping or viscous friction, because ElasticFeedForward, which computes the motor forces, does
+/// not support such drives.
 void add_drives_of_drawing(const Model& model, std::vector<ElasticDrive>& drives) {
   for (const DriveDescription& drive : model.description().drives) {
     if (drive.kind != DriveKind::series_elastic) continue;
@@ -40,9 +42,9 @@ void add_drives_of_drawing(const Model& model, std::vector<ElasticDrive>& drives
   }
 }
 
-/// Sets a member of the elastic drives (nv) from the words of an option. A word is a number, which applies to
-/// all joints with one velocity that are not coupled, or JOINT=NUMBER, which applies to one joint. Later
-/// words override earlier ones.
+/// Sets a member of the elastic drives (one for each of the nv velocities) from the words of an option. A
+/// word is a number, which applies to all joints with one velocity that are not coupled, or JOINT=NUMBER,
+/// which applies to one joint. Later words override earlier ones.
 void set_drives(const Model& model, const char* option, const std::vector<std::string>& words,
                 double ElasticDrive::*member, std::vector<ElasticDrive>& drives) {
   for (const std::string& word : words) {
@@ -71,9 +73,10 @@ std::vector<ElasticDrive> drives_of(const Question& ask) {
   return drives;
 }
 
-/// The task velocities of a parallel manipulator and their first three derivatives (four rows) along the
-/// motion of the state. Of the state's rates only those of the platform's joint and of joints that the
-/// platform does not determine count.
+/// The task velocities of a parallel manipulator and their first three time derivatives, in four rows, for
+/// the motion with the coordinates, velocities, accelerations, jerks and snaps of `state`. Task velocities
+/// are components of the body-fixed twist of the platform, followed by velocities of joints that the platform
+/// does not determine. Only the rates of the platform's joint and of the latter joints are used.
 std::vector<double> task_rates(const TaskSpace& space, const State& state) {
   const Model& model = space.model();
   const std::vector<double> rows = rates_of(state);
