@@ -15,7 +15,8 @@ void add(const LoopPath::Range& range, Ranges& to) {
 }
 
 /// Divides the velocities into blocks of consecutive velocities that occur in the same loop equations. `rows`
-/// selects the equations for velocities or the equations for residuals.
+/// selects the velocity equations (rows of A in A v = 0) or the position equations (rows of R in r' = R v,
+/// where r are the residuals of the loop closure).
 std::vector<LoopTable::VelocityBlock> blocks(const std::vector<LoopPath>& paths, int nv,
                                              LoopPath::Range LoopPath::*rows) {
   std::vector<Ranges> of_velocity(static_cast<std::size_t>(nv));

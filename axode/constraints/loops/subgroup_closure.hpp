@@ -13,9 +13,9 @@ namespace axode::loops {
 /// pitch ω_z.
 ///
 /// S spans the Lie algebra of the subgroup, and T the wrenches with Tᵀ S = 0. The pose of the second frame
-/// relative to the first is written as D = g E with a motion g in the subgroup. The residual is computed from
-/// E alone: r = Tᵀ (log R_E; r_E), with the rotation R_E and the position r_E of E. It is 0 for all D in the
-/// subgroup.
+/// relative to the first is written as D = g E with the motion g in the subgroup for which the coordinates of
+/// (log R_E; r_E) in the free directions are 0, where R_E is the rotation and r_E the position of E. The
+/// residual is r = Tᵀ (log R_E; r_E). It is 0 for all D in the subgroup.
 struct SubgroupClosure {
   std::array<bool, 6> free{};
   double pitch = 0;  ///< m/rad, 0 unless the joint is helical
@@ -39,8 +39,10 @@ struct SubgroupClosure {
     for (int k = 0, n = rows(); k < n; ++k) gamma[k] = power(W[k], Psi);
   }
 
-  /// Writes the relative pose of the two frames as D = g E, where g is a motion in the subgroup that the
-  /// joint allows, and returns E. If the joint is nearly closed, E is near the identity (D6.1).
+  /// Writes the relative pose of the two frames as D = g E and returns E. The motion g is in the subgroup
+  /// that the joint allows, and is chosen so that the coordinates of (log R_E; r_E) in the free directions of
+  /// the joint are 0, where R_E is the rotation and r_E the position of E. If the joint is nearly closed, E
+  /// is near the identity (D6.1).
   template <class T> SE3<T> strip(const SE3<T>& D) const {
     T theta(0);
     SO3<T> turn{};
