@@ -21,8 +21,10 @@ MassMatrixFactor<T>::MassMatrixFactor(const Model& model)
           tree.inertia_scale[s];
 }
 
-/// Throws std::invalid_argument if the mass matrix M is not symmetric, or if an entry for velocities on
-/// different paths is not 0, to rounding: M_rc counts as 0 if it is small relative to √(M_rr M_cc).
+/// Throws std::invalid_argument if the mass matrix M is not symmetric, or if an entry M_rc is not 0 although
+/// neither of the velocities r and c is an ancestor of the other in the elimination tree of M. Without
+/// couplings the ancestors of a velocity are the velocities before it on the path from the ground. A number
+/// counts as 0 if it is at most 1e-9 √(M_rr M_cc), or 1e-3 √(M_rr M_cc) for float.
 template <class T> void MassMatrixFactor<T>::check(std::span<const T> M) const {
   const std::vector<int>& parent = model_.topology().velocity_parent;
   constexpr double rounding = std::same_as<T, double> ? 1e-9 : 1e-3;
