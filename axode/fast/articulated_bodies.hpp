@@ -68,20 +68,22 @@ template <class G, class T> struct FastArticulatedBodies {
         pivot(arena.per_screw<Pivot>()),
         S_K(arena.per_screw<std::array<T, 6>>()) {}
 
-  /// Computes axes, origins and inertias of all bodies at q.
+  /// Computes, in inertial axes, the rotations of all bodies at q, the vectors to their origins from the
+  /// origins of their predecessors, and their inertias about their origins.
   template <class S> void update_kinematics(const Tree<S>& tree, const T* q) noexcept {
     angles.run(tree, q);
     Matrix last_R = R[0] = Matrix(SO3<T>{});
     for (int i = 1; i <= tree->n; ++i) update_kinematics(tree, i, q, last_R);
   }
 
-  /// Computes axes, origins and inertias of all bodies at q, and the bias wrenches: the wrenches on the
-  /// bodies for zero joint accelerations, gravity included.
+  /// Computes poses and inertias of all bodies at q like update_kinematics(), and the bias wrenches: the
+  /// wrenches on the bodies for zero joint accelerations, gravity included, in inertial axes about the
+  /// origins of the bodies.
   template <class S>
   void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// Computes axes, origins, inertias and bias wrenches of all bodies, for zero joint accelerations. Calls
+  /// Computes poses, inertias and bias wrenches of all bodies, for zero joint accelerations. Calls
   /// put(i, R, motion, u) for every body i with its rotation R; its angular velocity, its angular
   /// acceleration and the acceleration of its origin (`motion`); and the velocity u of its origin relative to
   /// the origin of its predecessor. All are in inertial axes.
@@ -223,9 +225,9 @@ template <class G, class T> struct FastArticulatedBodies {
   /// Takes joint i in the backward sweep, after its elimination. x (nv numbers) are the drive forces or
   /// another right side of equations with the mass matrix, and (m, f) is the wrench W on body i about its
   /// origin. For each screw S of the joint, from the last to the first, the joint force that remains is g =
-  /// x_k - S|W with the entry x_k of x. Stores u = g/D with the pivot D, and adds the wrench g K with K of
-  /// the elimination (see Pivot). (m, f) becomes the wrench on the predecessor about the origin of the
-  /// predecessor.
+  /// x_k - S|W with the entry x_k of x. The function stores u = g/D and adds the wrench g K to W, with the
+  /// pivot D = Sᵀ M S + armature, K = M S/D and the articulated inertia M of the body before S is eliminated.
+  /// On return (m, f) is the wrench on the predecessor about the origin of the predecessor.
   template <class S>
   [[gnu::always_inline]] void pass_wrench(const Tree<S>& tree, int i, const T* x, Vector& m,
                                           Vector& f) noexcept {
@@ -427,8 +429,9 @@ template <class G, class T> struct FastArticulatedBodies {
       return k >= 0 && k < L::width ? L::load(shifted.data() + L::width - k) : Several(T(0));
     }
   }
-  /// Computes axes, origin and inertia of body i. Before the call last_R must be the rotation of body i - 1;
-  /// after it, last_R is the rotation of body i.
+  /// Computes, in inertial axes, the rotation of the joint frame of body i, the vector to its origin from the
+  /// origin of the predecessor, and the inertia of the body about its origin. Before the call last_R must be
+  /// the rotation of body i - 1; after it, last_R is the rotation of body i.
   template <class S>
   [[gnu::always_inline]] void update_kinematics(const Tree<S>& tree, int i, const T* q,
                                                 Matrix& last_R) noexcept {

@@ -17,8 +17,10 @@ template <class G, class T> struct FastInverseDynamics {
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
   using Matrix = typename G::Matrix;
-  /// Angular velocity ω, angular acceleration ω' and acceleration r'' of the origin of a body. ω and ω' are
-  /// also stored in the forms that cross products and products with matrices need.
+  /// Angular velocity ω, angular acceleration ω' and acceleration r'' of the origin of a body, in the axes of
+  /// its joint frame. For packed vectors, w_each and dw_each are ω and ω' with each component repeated in all
+  /// lanes of a register, for products with matrices; w_ and dw_ are cyclic permutations of ω and ω', for
+  /// cross products.
   struct Motion {
     Vector w, dw, a;
     Spread w_each, dw_each;

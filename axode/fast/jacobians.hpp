@@ -93,8 +93,9 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
         return {X.w, v};
     }
   };
-  /// Writes the Jacobian J of one place for a tree with coupled joints. If several joints have the same
-  /// velocity, its column is the sum of their screws.
+  /// Writes the Jacobian J of one place for a tree with coupled joints. A coupled joint has the velocity of
+  /// its leader times a constant ratio. The column of the leader's velocity is the sum of the leader's screw
+  /// and of the screws of its coupled joints, each times its ratio.
   template <class Rep>
   [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const ScrewInRep<Rep>& in_rep,
                                 Twist<Rep, T>* J) const noexcept {
