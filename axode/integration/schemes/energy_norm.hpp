@@ -19,8 +19,9 @@ class EnergyNorm {
 
   /// Constructs the norm from the inertias m_c, one for each velocity, kg m² or kg.
   explicit EnergyNorm(const Vector& inertia);
-  /// Constructs the norm for the velocities of a tree. m_c is an upper bound of M_cc at q = 0. For a velocity
-  /// that coupled joints share, m_c is the sum of the bounds of these joints, each times its squared ratio.
+  /// Constructs the norm √Σ m_c v_c² of the velocities v of a tree. The weight m_c is an upper bound of the
+  /// diagonal entry M_cc of the mass matrix at q = 0. For a velocity that coupled joints share, m_c is the
+  /// sum of the bounds of these joints, each times the squared ratio of its joint.
   explicit EnergyNorm(const Tree<double>& tree);
 
   double of_velocities(const Argument& v) const;

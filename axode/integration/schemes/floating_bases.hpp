@@ -48,11 +48,11 @@ class FloatingBases {
     kernel_->run(*tree_, q);
     for (Root& root : roots_) root.center = center(root.body);
   }
-  /// Sets the velocities that the moving frames of the floating bases have at the time of the last place(),
-  /// and converts the joint momenta p = M v from the inertial frame to the moving frames. A moving frame does
-  /// not rotate and falls with gravity. At that time its velocity is 0 or, if no wrenches act, that of the
-  /// centre of mass of the floating base. wrenches: whether wrenches act. The function may be called again
-  /// with other momenta.
+  /// Sets the initial velocities of the moving frames of the floating bases, and converts the joint momenta
+  /// p = M v from the inertial frame to the moving frames. A moving frame does not rotate and falls with
+  /// gravity; its motion begins when place() lets it coincide with the inertial frame. Its initial velocity
+  /// is 0 or, if no wrenches act, that of the centre of mass of the floating base with its subtree.
+  /// wrenches: whether wrenches act. The function may be called again with other momenta.
   void start(bool wrenches, double* p) {
     for (Root& root : roots_) {
       set_frame(root, kernel_->link[root.body].C.R * read<BodyFixed>(root, p).f, wrenches);
@@ -66,7 +66,8 @@ class FloatingBases {
   }
   /// The gravity (m/s²) that acts on each root body and its subtree, indexed by bodies: 0 for floating bases.
   std::span<const Vec3<>> gravity() const { return gravity_; }
-  /// Calls f(body, constant) for each floating base; constant: whether its centre of mass rests in its frame.
+  /// Calls f(body, constant) for each floating base; constant: whether the centre of mass of its subtree
+  /// rests in its moving frame.
   template <class F> void each(const F& f) const {
     for (const Root& root : roots_) f(root.body, root.constant);
   }
@@ -106,15 +107,18 @@ class FloatingBases {
       root.constant = root.constant && !pushed;
     }
   }
-  /// Advances the spatial momenta y of the floating bases by a time h (s) with the rates y' that rates()
-  /// computes from f; these rates are written to f.
+  /// Advances the spatial momenta y of the floating bases by a time h (s): y becomes y + h y'. On entry f (nv
+  /// numbers) must contain p' - ad_vᵀ p with the joint momenta p. rates() computes y' from f, and y' replaces
+  /// the entries of f that belong to floating bases.
   void advance(const double* q, double h, bool pushed, double* f, double* y) {
     rates(q, pushed, f, f);
     for (const Root& root : roots_)
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
-  /// Translates each floating base whose centre of mass rests in its moving frame, so that the centre of mass
-  /// is exactly where it was at the last place().
+  /// Removes the drift of the centres of mass of floating bases on which no load or drive has acted. The
+  /// centre of mass of such a base with its subtree rests in its moving frame, which does not rotate and
+  /// falls with gravity. The base is translated so that the centre of mass has exactly the position in this
+  /// frame that place() computed when the motion of the frame began.
   void restore_centers(double* q) {
     if (std::ranges::none_of(roots_, &Root::constant)) return;
     ends_->run(*tree_, q);

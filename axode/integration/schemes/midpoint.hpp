@@ -47,7 +47,8 @@ template <class System> class Midpoint {
         r_(tree->nv),
         none_(Vector::Zero(tree->nv)) {}
 
-  /// Computes the step from (q0, p0) at time t over h, which may be negative; v must contain a first guess.
+  /// Computes the step of length h, which may be negative, from the coordinates q0 and the momenta p0 at time
+  /// t. Before the call the member v must contain a first guess of the velocity in the middle of the step.
   /// The results are in the public members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     matrix_in_use_ = MatrixKind::none;
@@ -83,7 +84,8 @@ template <class System> class Midpoint {
   }
   /// Forgets the matrix of earlier runs.
   void forget_matrix() noexcept { matrix_in_use_ = MatrixKind::none; }
-  /// Changes v by about as much as the solution changes if p0 changes by dp, which is lost. Requires a run.
+  /// Changes v by about as much as the solution changes if p0 changes by dp. Overwrites dp. Requires an
+  /// earlier call of run() or run_again().
   void follow(Vector& dp) {
     solve(dp);
     v += dp;
