@@ -15,7 +15,8 @@ std::string unless_zero(const char* name, double x);
 /// The attributes pos and quat of a pose. A zero position and an identity rotation are left out.
 std::string pose_text(const SE3<>& pose);
 /// Makes the element <inertial> of a body, about the centre of mass and in the axes of the body. A is the
-/// pose of the body frame in the inertial frame at q = 0.
+/// pose of the body frame in the world frame at q = 0; it is needed if the mass properties are given in the
+/// world frame.
 std::string inertial_element(const MassProperties& given, const SE3<>& A);
 
 bool in_mjcf(LoopKind kind);
