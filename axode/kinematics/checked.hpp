@@ -26,8 +26,9 @@ template <class T> struct Piece {
   bool overlaps(const Piece& other) const { return begin < other.end && other.begin < end; }
 };
 
-/// The inputs that are checked when a public function is called, whose name in the table of functions is
-/// `id`: those that are arrays of numbers, in the order of the table, and then the loads.
+/// The inputs of a public function that are checked at each call: the arrays of numbers such as q and v, in
+/// the order of the function's parameters, and then the loads, if it takes loads. `id` is the name of the
+/// function in the table of functions (axode/table), which describes the arguments and results of functions.
 template <catalog::Id id>
 inline constexpr auto checked_inputs = [] {
   auto inputs = id.words().numbers();
@@ -35,10 +36,10 @@ inline constexpr auto checked_inputs = [] {
   return inputs;
 }();
 
-/// Checks argument or result k of a call of the public function that the table of functions calls `id`. An
-/// input must have the right size, and a configuration q must have unit quaternions. A result must have the
-/// right size, and must share no memory with results before it or, if the table requires it, with an input.
-/// Throws std::invalid_argument.
+/// Checks argument or result k of a call of the public function whose name in the table of functions
+/// (axode/table) is `id`. An input must have the right size, and a configuration q must have unit
+/// quaternions. A result must have the right size, and must share no memory with results before it or, if
+/// the table requires it, with an input. Throws std::invalid_argument.
 template <catalog::Id id, std::size_t k, class T>
 void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads) {
   constexpr const catalog::Words& row = id.words();
@@ -62,8 +63,8 @@ void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads
 
 }  // namespace detail
 
-/// Checks all arguments of a call of a public function against its description in the table of functions,
-/// where its name is `id`, and returns the scratch memory for the call. The arguments are the model, the
+/// Checks all arguments of a call of a public function against its description in the table of functions
+/// (axode/table), where its name is `id`, and returns the scratch memory. The arguments are the model, the
 /// workspace, the inputs (numbers and loads) and the results. Results may not share memory with each other,
 /// nor with the inputs if the table says so. Throws std::invalid_argument with the name and the value of the
 /// argument and the rule that is broken.

@@ -4,7 +4,8 @@
 
 /// Jacobians J of places, which are frames or points on bodies: V = J v is the twist of a place at the
 /// velocities v. A dense Jacobian has nv columns, each the twist for a unit of one velocity, and zero if this
-/// does not move the place. The screw of a coupled joint is added to the column of its leader.
+/// does not move the place. A coupled joint moves with the velocity of another joint, its leader, times a
+/// constant ratio. Its screw, times this ratio, is added to the column of the leader.
 namespace axode {
 
 /// Computes the Jacobian of a place (a frame or a point on a body), nv columns (eqs. JbX, JsX, Jh, JhJb).

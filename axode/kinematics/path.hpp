@@ -6,8 +6,9 @@
 namespace axode {
 
 /// The pose of the joint frame of body i in the joint frame of its predecessor: B exp(S q_i), with the pose B
-/// at q = 0, the joint screw S and the coordinates q_i of the joint. A coupled joint has the coordinate ratio
-/// q + offset with the coordinate q of its leader.
+/// at q = 0, the joint screw S and the coordinates q_i of joint i. The joint frame of a body is fixed to it
+/// at the joint to its predecessor. A coupled joint has the coordinate ratio q + offset with the coordinate q
+/// of its leader.
 template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noexcept {
   return with_joint(tree, i, [&](const auto& joint) {
     const T* q_i = q + tree->iq[i];
@@ -25,9 +26,11 @@ template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE
   });
 }
 
-/// Walks from a place (a frame or a point on a body) to the root, or to body `until`, and calls f(i, c, X)
-/// with the column X of joint i in the body-fixed Jacobian of the place for velocity c (eq. JbX). Returns the
-/// pose of the place in the inertial frame, or in the joint frame of body `until`. O(path length).
+/// Walks from a place (a frame or a point on a body) to the ground, or to body `until` on this path. For each
+/// joint i on the way, the joint of `until` excluded, calls f(i, c, X) with the column X of joint i in the
+/// body-fixed Jacobian of the place for velocity c (eq. JbX). Returns the pose of the place in the inertial
+/// frame or, if `until` is not 0, in the joint frame of body `until`, which is fixed to this body at the
+/// joint to its predecessor. O(path length).
 template <class T, class F>
 SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& place, F&& f,
                               int until = 0) noexcept {

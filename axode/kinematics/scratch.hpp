@@ -25,8 +25,9 @@ template <class T> struct FramePoses {
   }
 };
 
-/// Memory for quantities about the centre of mass of the whole system, in inertial axes: the poses C and
-/// twists V of the bodies, the inertias M of their subtrees, and the time derivatives dM of these inertias.
+/// Memory for the poses C and twists V of the bodies, the inertias M of their subtrees, and the time
+/// derivatives dM of these inertias. All are in inertial axes. Their reference point is fixed in space, at
+/// the present position of the centre of mass of the whole system.
 template <class T> struct SubtreeInertias {
   BodyPoses<T> C;
   Inertia<T>*M, *dM;
