@@ -6,15 +6,16 @@
 #include "axode/constraints/local_mobility/walks.hpp"
 
 /// Computes power series for a loop of joints by Lie brackets of joint screws. The product f of the
-/// exponentials of all joints around the loop is a pose; it is the identity if the loop is closed. The series
-/// are those of the spatial twist of the last body of the loop and of log f, each with six coordinates. A
-/// series is a matrix of coefficients with a row for each of the six coordinates and a column for each
-/// monomial of the variables.
+/// exponentials of all joints around the loop is a pose; it is the identity if the loop is closed. The joint
+/// coordinates are polynomials in given variables, and the series are in these variables. One series is
+/// log f. The other one is V: if the variables move along a ray t u from 0 with t as time, V is t times the
+/// spatial twist of the last body of the loop. Each series is a matrix of coefficients with a row for each of
+/// its six coordinates and a column for each monomial of the variables.
 namespace axode::higher_order {
 
 /// Computes the power series V of the spatial twist of the last body of a loop, up to the given degree. The
 /// coordinates x of the joints are n polynomials in the variables of `ring`, without constants. The variables
-/// move along a ray from 0, and V is the twist of this motion, multiplied by the parameter of the ray (D13.3,
+/// move along a ray t u from 0 with t as time, and V is the twist of this motion, multiplied by t (D13.3,
 /// D13.4).
 Eigen::MatrixXd twist_series(const PolynomialRing& ring, const std::vector<PassedJoint>& loop,
                              const Eigen::Ref<const Eigen::MatrixXd>& x, int degree);

@@ -181,9 +181,11 @@ int dimension_of_cone(const PolynomialRing& ring, const Eigen::MatrixXd& F, cons
   return 1 + singular_values(all).rank(0.3);
 }
 
-/// Improves a zero e of homogeneous polynomials F if it is isolated and the derivative ∂F/∂e is singular
-/// there; other zeros are returned unchanged. Newton's method is applied to the larger system F(e) = 0,
-/// (∂F/∂e) λ = 0, which has a simple zero (e, λ) where F has a double one.
+/// Improves an isolated common zero e of homogeneous polynomials F in d variables, with |e| = 1. A simple
+/// zero, at which ∂F/∂e has the rank d - 1, is returned unchanged. For a multiple zero, Newton's method is
+/// applied to the larger system F(e) = 0, (∂F/∂e) λ = 0, |e| = 1, a·λ = 1 for the unknowns e and λ. The unit
+/// vector a is constant, orthogonal to the given e, and nearly in the kernel of ∂F/∂e there. If e is a double
+/// zero of F, (e, λ) is a simple zero of this system.
 Eigen::VectorXd polished(const PolynomialRing& ring, const Eigen::MatrixXd& F, const Eigen::VectorXd& e) {
   constexpr double farthest = 1e-5, negligible = 1e-6;
   const Eigen::Index d = e.size(), m = F.rows();

@@ -108,8 +108,9 @@ struct LocalMobility {
   int local_mobility = 0;    ///< largest dimension of a branch
   int rigid_at_order = 0;    ///< first order with mobility 0 if nothing moves; otherwise 0
   /// The polynomial conditions of degree 2 or more that the loop equations put on velocities, up to the order
-  /// K of the power series of the loop equations about q, sorted by degree. Their terms of lowest degree are
-  /// independent.
+  /// K of the power series of the loop equations about q. They are sorted by their lowest degree. The terms
+  /// of lowest degree of those conditions that begin with the same degree are linearly independent
+  /// polynomials.
   std::vector<MobilityCondition> conditions;
   std::vector<MotionBranch> branches;
   MobilityProbe probe;
@@ -149,9 +150,10 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 /// for multiple solutions, D13.12). Finally, every branch is traced by configurations with closed loops.
 ///
 /// Allocates. The function takes about 1 ms for a loop of six joints with one branch; its time grows with the
-/// number of products of monomials, C(2d + K, K) if the loops allow velocities of dimension d. Throws
-/// std::invalid_argument for a q of a wrong size or with numbers that are not finite, a loop that is open at
-/// q, rolling contacts and belts, and an order that is negative, 1, above 20 or too large for d.
+/// number of products of monomials, C(2d + K, K) if the loops allow velocities of dimension d. The order K of
+/// the options must be from 2 to 20, or 0 for an automatic choice. Throws std::invalid_argument for another
+/// order, for an order with more than 1e6 products of monomials, for a q of a wrong size or with numbers that
+/// are not finite, for a loop that is open at q, and for rolling contacts and belts.
 [[nodiscard]] LocalMobility local_mobility(const Model& model, std::span<const double> q,
                                            const LocalMobilityOptions& options = {});
 

@@ -1,8 +1,10 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Computes the accelerations of mechanisms with loops by the fast articulated-body algorithm (D4.12), and
-/// drive forces by the fast inverse dynamics. Twists and wrenches are about the origins of the bodies.
+/// Computes the accelerations of mechanisms with loops by a version of the articulated-body algorithm (D4.12)
+/// that takes no coupled joints (joints that share a velocity) and does not estimate rounding errors, and the
+/// joint forces that spanning trees need by inverse dynamics. Both algorithms have twists and wrenches about
+/// the origins of the bodies.
 namespace axode {
 
 template <class T>

@@ -10,8 +10,8 @@ namespace axode {
 
 /// Determines which loop equations A v = 0 are independent, and how the redundant ones depend on them.
 /// Equations are taken in the order of the loops. The method is the Gram-Schmidt process on the columns of Y
-/// = D^-½ L⁻ᵀ Aᵀ, where LᵀD L is the mass matrix of the spanning tree; Y does not depend on units. Allocates;
-/// O(m² nv + nv³) for m equations.
+/// = D^-½ L⁻ᵀ Aᵀ, where LᵀD L is the mass matrix of the spanning tree. Y has a column for each equation, and
+/// does not depend on the units of the joint velocities. Allocates; O(m² nv + nv³) for m equations.
 template <class T> class AXODE_ENTRY IndependentRows {
  public:
   using Vector = Eigen::VectorX<T>;

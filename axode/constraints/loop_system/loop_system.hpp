@@ -145,9 +145,10 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
   /// Computes γ - s'' (D6.7). The loop equations are A v = s' with prescribed right sides s', and γ is the
-  /// part of (A v)' that does not depend on accelerations. The first function takes the last motion of the
-  /// bodies that was computed. The second one takes twists V and their rates dV, each about the origin of the
-  /// first body on the path from the ground to the body.
+  /// part of (A v)' that does not depend on accelerations. The first function uses the motion of the bodies
+  /// that move() computed last. The second one takes the twists V of the bodies and the rates dV that they
+  /// have if the velocities v are constant, each about the origin of the first body on the path from the
+  /// ground to the body.
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
@@ -244,9 +245,11 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<LoopTable::VelocityBlock>& blocks() const {
     return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
-  /// Computes accelerations, and multipliers of the loop equations, by the fast articulated-body algorithm.
-  /// Returns false, without results, if the model has couplings or coupled joints, if a pivot of the mass
-  /// matrix is too small, or if the Jacobian of all equations of a loop is close to 0.
+  /// Computes accelerations, and multipliers of the loop equations, by the articulated-body algorithm without
+  /// estimates of rounding errors (D4.12). Returns false, without results, if the model has couplings (loop
+  /// equations between joint coordinates) or coupled joints (joints whose coordinate depends on that of
+  /// another joint and that share its velocity), if a pivot of the mass matrix is too small, or if the
+  /// Jacobian of all equations of a loop is close to 0.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
