@@ -28,10 +28,12 @@ class ContactJets {
  public:
   explicit ContactJets(ContactShapes shapes);
 
-  /// Returns the contact point with the given key and its derivatives. Returns null if contact points of its
-  /// pair of shapes have no closed form, or if the pair has no point with this key whose gap is below
-  /// `margin` (m). `C` has the poses of the internal frames (joint frames) of all bodies (n_bodies + 1
-  /// entries). The pointer is valid until the next call.
+  /// Returns the contact point with the given key, and the first derivatives of its position, normal and gap
+  /// along the displacement of its body b relative to its body a. The key denotes two shapes and the features
+  /// (faces, edges, vertices) that touch. Returns null if contact points of the two shapes have no closed
+  /// form, or if the shapes have no contact point with this key whose gap is below `margin` (m). `C` has the
+  /// poses of the internal frames (joint frames) of all bodies (n_bodies + 1 entries). The pointer is valid
+  /// until the next call.
   const ContactJet* find(std::uint64_t key, std::span<const SE3<>> C, double margin) noexcept;
   /// Whether the contact points of the pair of the last find() have a closed form.
   bool closed_form() const { return closed_; }

@@ -69,14 +69,16 @@ class DisplacedMotion {
     return contact_changes(jet, displacements(jet.a), displacements(jet.b));
   }
   /// Computes the relative velocities u of the bodies at a contact along `axes`, and returns their changes
-  /// along the k directions (`rows` × k). `change` and `daxes` are the changes of the contact point and of
-  /// the axes along these directions.
+  /// along the k directions (`rows` × k). The directions are the changes (dq, dv) of the state that were
+  /// given to the last run(). `change` and `daxes` are the changes of the contact point and of the axes along
+  /// these directions.
   Changes row_velocities(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                          const FrameChanges& daxes, int rows, double* u);
-  /// Adds to `out` (nv × k) the changes of the generalised impulse Jᵀ λ of one contact along the k
-  /// directions of run(). J is the Jacobian of the relative velocities along the axes of the contact, and
-  /// λ are the impulses along these axes (`rows` numbers), which are held constant. `change` and `daxes`
-  /// are the changes of the contact point and of the axes along the directions.
+  /// Adds to `out` (nv × k) the changes of the generalised impulse Jᵀ λ of one contact along k directions.
+  /// The directions are the changes (dq, dv) of the state that were given to the last run(). J is the
+  /// Jacobian of the relative velocities along the axes of the contact, and λ are the impulses along these
+  /// axes (`rows` numbers), which are held constant. `change` and `daxes` are the changes of the contact
+  /// point and of the axes along the directions.
   void add_impulse_changes(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                            const FrameChanges& daxes, int rows, const double* lambda, Changes& out);
 
