@@ -36,8 +36,9 @@ void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Lo
   second.add_to(topology, loaded, {H.qq, H.qv, H.vv, nullptr});
 }
 
-/// Computes the second derivatives of w·a of forward dynamics at a state (q, v) with forces τ, for given
-/// weights w.
+/// Computes the second derivatives of w·a, the sum of the accelerations a of forward dynamics with constant
+/// weights w, at a state (q, v) with forces τ. They are by the pairs (q, q), (q, v), (v, v) and (τ, q). If
+/// the mass matrix is singular, they are NaN.
 template <class T> struct ForwardSecondOrder {
   AccelerationsAndColumns<T> forward;
   SecondOrder<T> second;

@@ -51,11 +51,12 @@ template <class T> struct ScrewCurvature {
   /// Computes the screws and wrenches (D2.7) that belong to a joint screw S:
   ///   chi = [Λ_p, S],   psi_1 = [V_p, S],   AS = -ad_Sᵀ A,   Y = M chi + AS,   Z = 2 AS - B_Λ S,
   ///   X = Bᵀ chi - B_Λ psi_1 - ad_Sᵀ (H; 0) - 2 ad_psi_1ᵀ A.
-  /// V_p is the twist of the predecessor, and Λ_p (`Lambda_p`) the twist that it would have if the joints
-  /// moved with the weights λ of λ·τ as velocities. `moved` has the inertia M and the Coriolis inertia B of
-  /// the subtree. `momentum` has the sums of VirtualMomentum over the subtree: the wrench A, the moment H,
-  /// and the Coriolis inertia B_Λ that the bodies would have if the joints moved with the weights as
-  /// velocities.
+  /// V_p is the twist of the predecessor. Λ_p (`Lambda_p`) and Λ are the twists that the predecessor and a
+  /// body of the subtree would have if the joints moved with the weights λ of λ·τ as velocities. `moved` has
+  /// the inertia M and the Coriolis inertia B of the subtree. `momentum` has three sums over the bodies of
+  /// the subtree: the wrench A, the sum of M Λ with the inertia M of each body; the moment H of the sum of
+  /// the wrenches Bᵀ Λ, whose forces are 0; and the Coriolis inertia B_Λ that bodies with the twists Λ would
+  /// have.
   [[gnu::always_inline]] static constexpr ScrewCurvature of(const MovingInertia<T>& moved,
                                                             const VirtualMomentum<T>& momentum,
                                                             const Motion6<T>& S, const Motion6<T>& V_p,

@@ -7,10 +7,12 @@ namespace axode {
 /// derivative][inner derivative].
 template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 
-/// Computes the second partial derivatives of all components of the forces τ of inverse dynamics by (D2.10)
-/// to (D2.15) of docs/derivations. Each entry belongs to three joint screws on one path from the ground and
-/// is a sum of products of wrenches of the outermost of them with the other two. O(n d²) on paths of d
-/// velocities, and the time to write nv³ zeros.
+/// Computes the second partial derivatives of all components of the forces τ of inverse dynamics by the pairs
+/// of variables (q, q), (q, v), (v, v) and (a, q), by (D2.10) to (D2.15) of docs/derivations. Each entry
+/// belongs to three joint screws on one path to the ground: S_d, whose joint is the farthest from the ground,
+/// S_j and S_l. It is a sum of powers of wrenches on S_j or on a rate of it. The wrenches are linear in S_d
+/// and in S_l or a rate of it, and depend on the inertia and the motion of the subtree of S_d. O(n d²) on
+/// paths of d velocities, in addition to the time to write nv³ zeros.
 template <class T> struct SecondOrderTensors {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -69,8 +71,9 @@ template <class T> struct SecondOrderTensors {
 
  private:
   using Part = typename FirstOrder<T>::Part;
-  /// The outermost of three joint screws (columns): its index, its velocity, and the range of the screws of
-  /// its joint on the path.
+  /// The joint screw, of three on one path to the ground, whose joint is the farthest from the ground. c is
+  /// its index among all joint screws, and v the index of its velocity. The screws of its joint have the
+  /// indices `begin` to `end` - 1 on the path.
   struct Last {
     int c;
     std::ptrdiff_t v;
@@ -147,12 +150,13 @@ template <class T> struct SecondOrderTensors {
     }
   }
   /// Computes the products (D2.11) of which the second derivatives of inverse dynamics consist, for three
-  /// joint screws on one path to the ground: screw d, whose joint is the farthest from the ground, screw j,
-  /// and each screw c of the path in turn. A product is the power of a wrench on screw S_j or on its bracket
-  /// ψ'_j = [V_p, S_j] with the twist V_p of the predecessor. The wrenches have been stored in `wrench` by
-  /// compute_wrenches(), for d and each screw c: there the wrenches and Coriolis inertias of the subtree of d
-  /// are applied to screw c. Writes the products to entry c of the arrays of `line`, see Products. The joint
-  /// of screw j has the screws from begin_j to end_j - 1.
+  /// joint screws on one path to the ground: S_d, whose joint is the farthest from the ground, S_j, and each
+  /// screw S_c of the path in turn. A product is the power of a wrench on S_j or on the bracket ψ'_j =
+  /// [V_p, S_j] with the twist V_p of the predecessor. compute_wrenches() has stored the wrenches for S_d
+  /// and each S_c in `wrench`. They are sums of wrenches B X and ±ad_Xᵀ W. X is S_c or a screw of its
+  /// motion (ψ', ψ'' or σ), B is a Coriolis inertia, a matrix that maps a twist to the wrench of Coriolis
+  /// accelerations, and W a wrench; B and W belong to S_d and its subtree. Writes the products to entry c of
+  /// the arrays of `line`, see Products. The joint of screw j has the screws from begin_j to end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
