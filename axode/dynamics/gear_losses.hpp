@@ -94,8 +94,8 @@ class ResistingForces {
 class MovingGears {
  public:
   /// Selects the gears with losses whose joints move, and their drive forces: `tau` (nv) minus damping and
-  /// dry friction. Throws std::invalid_argument if the model has gears with losses and springs, because `tau`
-  /// could contain the forces of the springs, which do not pass through gears.
+  /// dry friction. Throws std::invalid_argument if the model has springs in addition to gears with losses,
+  /// because `tau` could contain the forces of the springs, which do not pass through gears.
   template <class T> MovingGears(const Model& model, NumberSpan<T> v, NumberSpan<T> tau);
 
   /// The indices of the joint velocities of the k selected gears.
@@ -118,7 +118,7 @@ class MovingGears {
 /// and, if there are such gears, again with their friction forces added to `tau`. accelerate(q, v, tau) must
 /// compute `a` and return a Solvability. respond(q, velocities, responses) must write a row of nv numbers for
 /// each of `velocities`: the accelerations by a unit force on this velocity. q, v and tau may share memory
-/// with `a`. Throws std::invalid_argument if the model has gears with losses and springs.
+/// with `a`. Throws std::invalid_argument if the model has springs in addition to gears with losses.
 template <class T, class Accelerate, class Respond>
 Solvability accelerate_with_gears(const Model& model, NumberSpan<T> q, NumberSpan<T> v, NumberSpan<T> tau,
                                   std::span<T> a, const Accelerate& accelerate, const Respond& respond) {
