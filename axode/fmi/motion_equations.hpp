@@ -54,8 +54,9 @@ class MotionEquations {
   MotionEquations(const Model& model, const Settings& settings, std::span<const int> loads);
 
   const DriveSystem& drives() const { return drives_; }
-  /// Copies the states of drives and friction from another motion of the same mechanism: the inputs and
-  /// discrete statuses of its drives, and which of its joints stick or slide.
+  /// Copies two parts of another motion of the same mechanism: its drives, with their inputs and statuses
+  /// (integers that say which form of a drive's law holds), and which of its joints stick or slide. The
+  /// continuous states (q, v, x) are not copied.
   void act_by(const DriveSystem& drives, const DryFriction& friction) {
     drives_ = drives;
     friction_ = friction;
@@ -78,8 +79,8 @@ class MotionEquations {
   [[nodiscard]] bool close(Point& at);
 
   /// Updates the drives at the time in `at`. Inputs that jump at this time take their new values. The
-  /// discrete statuses of drives, such as a current at its limit, change if they must; then the states x of
-  /// the drives may change, too.
+  /// statuses of drives, the integers that say which form of a drive's law holds (for example that a current
+  /// is at its limit), change if they must; then the states x of the drives may change, too.
   void switch_drives(Point& at);
   double next_jump(double t) const;
   /// Lets joints with dry friction begin to stick or to slide. Velocities in `at` that have come to rest
@@ -89,7 +90,8 @@ class MotionEquations {
   void switch_plays(Point& at);
   /// Takes note that a step of the importing program has ended at `at`, without an event.
   void complete_step(const Point& at) { plays_.reduce_overshoot(at.q); }
-  /// The least margin of the drives, negative when a discrete status must change; 1 without statuses.
+  /// The least margin of the drives. It is negative when a status, the integer that says which form of a
+  /// drive's law holds, must change; it is 1 if there are no statuses.
   double least_margin(const Point& at);
   /// The poses of frames, given by indices, with 12 numbers each: columns of the rotation, then position.
   std::vector<double> poses(const Point& at, std::span<const int> frames);

@@ -47,7 +47,8 @@ class SteppedMotion {
   Span v() const { return {run_.v.data(), static_cast<std::size_t>(run_.v.size())}; }
   /// The accelerations; after a step of a motion with contact, their means over the last step.
   Span a() const { return {run_.a.data(), static_cast<std::size_t>(run_.a.size())}; }
-  /// The drives with their present discrete statuses and inputs.
+  /// The drives with their present inputs and statuses, the integers that say which form of a drive's law
+  /// holds.
   const DriveSystem& drives() { return run_.drives().system(); }
   const DryFriction& friction() const { return run_.friction(); }
   Span x() { return {run_.drives().x.data(), run_.drives().size()}; }

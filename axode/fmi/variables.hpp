@@ -51,11 +51,12 @@ struct Parameter {
   std::string name, unit, description;
   std::function<double&(Description&)> in;  ///< function that returns a reference to the number in a
                                             ///< description of the same mechanism
-  /// Whether the FMU provides derivatives of accelerations by this parameter. They are central differences of
-  /// inverse dynamics, which are exact to rounding because inverse dynamics is at most quadratic in such a
-  /// parameter.
+  /// Whether the FMU provides derivatives of the accelerations a by this parameter. They are -∂a/∂τ times the
+  /// derivatives, at constant a, of the joint forces of inverse dynamics minus those of springs. These are
+  /// difference quotients, which are exact to rounding if the forces are at most quadratic in the parameter.
   bool has_derivative = true;
-  /// The relative step of central differences by this number, small for forces with kinks.
+  /// The step of the difference quotients, relative to the magnitude of the parameter unless that is 0. It is
+  /// small if the forces have kinks.
   double step = 0.25;
 };
 
