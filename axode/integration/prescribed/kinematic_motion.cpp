@@ -95,8 +95,8 @@ class KinematicSolver {
     at.jerk = factor.solve(s_3 - by_q * at.v - by_v * at.a);
     freedom_ = nv - factor.rank();
   }
-  /// The number of velocities that loops and prescribed motions leave undetermined, at the last
-  /// differentiate().
+  /// The number of independent velocities that the loops and the prescribed motions leave undetermined, at
+  /// the last configuration for which differentiate() computed velocities and accelerations.
   Eigen::Index freedom() const { return freedom_; }
 
   /// Advances the state `at` to a later time t, in as many steps as needed. `whole` is the duration of the
