@@ -93,8 +93,9 @@ constexpr Inertia<T> inertia_in_frames(const FramePair<T>& jk, const SE3<T>& C, 
   return transform(inverse(jk.pose()) * C, M);
 }
 
-/// The resultant wrench on a body from its twist V and the rate V', by the Newton-Euler equations in the
-/// representation of V. The body has the pose C, and M is its inertia in the body frame.
+/// The resultant wrench on a body from its twist V and the rate V' of the components of V, by the
+/// Newton-Euler equations in the representation of V. The body has the pose C relative to the inertial frame,
+/// and M is its inertia in the body frame.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
                                 const TwistRate<Rep, T>& dV) {
@@ -107,8 +108,10 @@ constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twis
   else
     return newton_euler(M, C.R, V, dV);
 }
-/// The resultant wrench on a body from its twist V and the rate V', all measured at the origin of a frame F_j
-/// and resolved in the axes of a frame F_k. The body has the pose C, and M is its inertia in the body frame.
+/// The resultant wrench on a body from its twist V and the rate V' of the components of V, all measured at
+/// the origin of a frame F_j and resolved in the axes of a frame F_k. Both frames may move: `jk` has the
+/// position and velocity of the origin of F_j, and the rotation and angular velocity of F_k. The body has the
+/// pose C relative to the inertial frame, and M is its inertia in the body frame.
 template <class T>
 constexpr Wrench<InFrames, T> wrench(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                      const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -133,17 +136,18 @@ constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) 
   return {dw, (T(1) / M.m) * W.f - cross(dw, c)};
 }
 
-/// The rate V' of the twist V of a body under the resultant wrench W, by the Newton-Euler equations. The body
-/// has the pose C, and M is its inertia in the body frame.
+/// The rate V' of the components of the twist V of a body under the resultant wrench W, by the Newton-Euler
+/// equations. The body has the pose C relative to the inertial frame, and M is its inertia in the body frame.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
                                          const Wrench<Rep, T>& W) {
   const Twist<BodyFixed, T> V_b = change<BodyFixed>(C, V);
   return change<Rep>(C, V_b, solve(M, change<BodyFixed>(C, W) - coad(V_b, M * V_b)));
 }
-/// The rate V' of the twist V of a body under the resultant wrench W, all measured at the origin of a frame
-/// F_j and resolved in the axes of a frame F_k. The body has the pose C, and M is its inertia in the body
-/// frame.
+/// The rate V' of the components of the twist V of a body under the resultant wrench W, all measured at the
+/// origin of a frame F_j and resolved in the axes of a frame F_k. Both frames may move: `jk` has the position
+/// and velocity of the origin of F_j, and the rotation and angular velocity of F_k. The body has the pose C
+/// relative to the inertial frame, and M is its inertia in the body frame.
 template <class T>
 constexpr TwistRate<InFrames, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                               const Twist<InFrames, T>& V, const Wrench<InFrames, T>& W) {
