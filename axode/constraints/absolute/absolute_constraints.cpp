@@ -3,8 +3,9 @@
 
 #include "axode/constraints/absolute/absolute_system.hpp"
 
-/// The constraint equations of joints, rotors and loops between bodies that have free coordinates each. A
-/// rotor is an additional body that turns with one joint velocity.
+/// The constraint equations of a mechanism in absolute coordinates, in which every body has the coordinates
+/// of a free body: the equations of joints, loops and rotors. A rotor is an additional body with one
+/// coordinate, whose velocity is constrained to equal one joint velocity.
 namespace axode {
 namespace {
 

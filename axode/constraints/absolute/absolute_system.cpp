@@ -64,8 +64,8 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
 
 /// Makes the configuration group of the absolute coordinates, as a tree in which all bodies are on the
 /// ground. A body on SE(3) has a free joint, and a body on SO(3) × R³ has a spherical and three prismatic
-/// joints. A rotor, an additional body that turns with one joint velocity, has a prismatic joint, because its
-/// coordinate is a real number that counts whole turns.
+/// joints. A rotor, an additional body whose velocity is constrained to equal one joint velocity, has a
+/// prismatic joint, because its coordinate is a real number that counts whole turns.
 Tree<double> AbsoluteSystem::make_group() const {
   Connections all{.parent = {0}, .kind = {Subgroup::free}, .leader = {0}, .frame_body = {0}};
   const auto add = [&](Subgroup subgroup) {

@@ -37,10 +37,11 @@ inline double largest_of(std::span<const double> numbers) {
 /// subgroup of SE(3) that the joint allows has been removed (D6.1).
 ///
 /// The coordinates are those of all bodies, with positions relative to the centre of mass of the first body
-/// in the reference configuration, and then one for each rotor. A rotor is an additional body that turns with
-/// one velocity of a joint. Every velocity with armature has one, so that M is constant, and so has every
-/// angle of a revolute or planar joint: the rotor's coordinate counts the whole turns, which poses do not
-/// determine.
+/// in the reference configuration, and then one for each rotor. A rotor is an additional body with one
+/// coordinate. Its velocity is constrained to equal one joint velocity, and its inertia is the armature of
+/// this joint velocity. Every joint velocity with armature has a rotor, so that M is constant. Every angle of
+/// a revolute or planar joint has a rotor too: the rotor's coordinate counts the whole turns, which poses do
+/// not determine.
 ///
 /// B has six rows for each joint, in the axes of the joint, then one row for each rotor, and then those of
 /// the loops. Rows of free directions are 0, except in a coupled joint: its velocity is a constant ratio
@@ -58,7 +59,7 @@ class AbsoluteSystem {
   AbsoluteSystem(const Model& model, BodyGroup group);
 
   /// The configuration group of the absolute coordinates, as a tree in which every body and every rotor (an
-  /// additional body that turns with one joint velocity) is on the ground.
+  /// additional body whose velocity is constrained to equal one joint velocity) is on the ground.
   const Tree<double>& group() const { return group_tree_; }
   int nq() const { return group_tree_->nq; }
   int nv() const { return group_tree_->nv; }
@@ -67,12 +68,14 @@ class AbsoluteSystem {
   int rows(ConstraintLevel level) const { return first_loop(level) + loops_.size(level); }
 
   /// Convert coordinates and velocities of the joints to those of the bodies and rotors (additional bodies
-  /// that turn with one joint velocity), and back. Angles keep their whole turns.
+  /// whose velocity is constrained to equal one joint velocity), and back. Angles keep their whole turns.
   void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
   void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
-  /// Computes the absolute coordinates q and velocities v from poses C and body-fixed twists V. Entry 0 is
-  /// that of the ground, and entry i that of the frame of body i as the user placed it, which may differ from
-  /// the internal frame. Of angles that differ by whole turns, those nearest to the angles of
+  /// Computes the absolute coordinates q and velocities v of the bodies and rotors from poses C and
+  /// body-fixed twists V of the bodies. Entry 0 of C and V is that of the ground, and entry i that of the
+  /// frame of body i as the user placed it, which may differ from the internal frame. The coordinates of
+  /// rotors (additional bodies whose velocity is constrained to equal one joint velocity) may be joint
+  /// angles, which poses determine only up to whole turns: the angles nearest to those of
   /// set_reference_angles() are taken.
   void set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Vector& q,
                             Vector& v);
@@ -86,9 +89,10 @@ class AbsoluteSystem {
   }
 
   /// position_residual() computes the residuals Φ(q) of the constraints at any q. Nonholonomic constraints,
-  /// such as no-slip conditions, have no residual: at the position level `out` has no entry for them; at the
-  /// velocity level `out` has an entry for each row of the constraint Jacobian B, and their entries are 0.
-  /// velocity_residual() computes B v - s' for all rows of B, with the prescribed velocities s'.
+  /// such as no-slip conditions, have no residual. If the argument `level` is ConstraintLevel::position,
+  /// `out` has no entry for them; if it is ConstraintLevel::velocity, `out` has an entry for each row of the
+  /// constraint Jacobian B, and the entries of nonholonomic constraints are 0. velocity_residual() computes B
+  /// v - s' for all rows of B, with the prescribed velocities s'.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
   /// Whether some constraints are nonholonomic, that is, have a row of the constraint Jacobian B but no
@@ -121,7 +125,10 @@ class AbsoluteSystem {
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
   /// Solves M x - Bᵀ λ = r and B x = rhs, with the mass matrix M and the constraint Jacobian B of the last
-  /// factorisation. λ is the least solution if constraints are redundant.
+  /// factorisation. λ is not unique if loop equations are redundant. The multipliers of equations that
+  /// factorize_with_rank() found redundant are 0. If the other equations are dependent, their λ approximates
+  /// the solution with the least Σ d_k² λ_k² (D7.8), where d_k² is the diagonal entry of A M⁻¹ Aᵀ for
+  /// equation k, with the Jacobian A of the loop equations and the mass matrix M of the spanning tree.
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
   /// How far the loop equations were from linear dependence in the last solve(), from 0 (dependent) to 1.
   double weakest_row() const { return loops_.weakest_row(); }
@@ -138,8 +145,9 @@ class AbsoluteSystem {
                                      ///< -1
   };
   const Tree<double>& tree() const { return model_.tree<double>(); }
-  /// A rotor: an additional body that turns with one velocity of a joint. Rotors whose velocity is the rate
-  /// of a coordinate are stored first.
+  /// A rotor: an additional body with one coordinate, whose velocity is constrained to equal one velocity of
+  /// a joint, and whose inertia is the armature of this velocity. Rotors whose velocity is the rate of a
+  /// joint coordinate are stored first.
   struct Rotor {
     int joint, velocity;
     std::size_t along;  ///< direction of this velocity, from 0 to 5 for ω_x to v_z in the frame of the joint
