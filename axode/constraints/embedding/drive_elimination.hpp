@@ -18,11 +18,13 @@ template <class T> class AXODE_ENTRY DriveElimination {
 
   /// Computes the drive forces τ (nv) and, unless `lambda` is null, the multipliers λ (a number for each loop
   /// equation) with τ + Aᵀ λ = f, for given joint forces f and the Jacobian A of the loop equations. If there
-  /// are more drives than needed, τ has the least norm. `driven` (nv) flags the velocities with drives, and
-  /// entries[k] has the entries of A for loop k, column by column. `considerable` is a magnitude of entries
-  /// of A that are no rounding errors; pivots are compared with the larger of `considerable` and the largest
-  /// entry. Returns false, without results, if the mechanism can move while all drives are locked, if λ is
-  /// wanted and not unique, or if a pivot is so small in this comparison that it may be a rounding error.
+  /// are more drives than needed, τ has the least Euclidean norm. `driven` (nv) flags the velocities with
+  /// drives. entries[k] has the rows of A for loop k, column by column. It has only the columns of
+  /// LoopPath::columns: one for each joint screw on the path of the loop in the spanning tree, or for each
+  /// term of a coupling of joints. `considerable` is a magnitude of entries of A that are no rounding errors;
+  /// pivots are compared with the larger of `considerable` and the largest entry. Returns false, without
+  /// results, if the mechanism can move while all drives are locked, if λ is wanted and not unique, or if a
+  /// pivot is so small in this comparison that it may be a rounding error.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 
@@ -38,8 +40,9 @@ template <class T> class AXODE_ENTRY DriveElimination {
     std::vector<T> mu;  ///< multipliers of the rows of `matrix` after the elimination
   };
   static int size(const std::vector<int>& of) { return static_cast<int>(of.size()); }
-  /// The index of the first column in Part::matrix for a velocity of the joints on the path in the spanning
-  /// tree from the ground to the platform.
+  /// The index of the first column in `part.matrix` for a velocity of the joints on the path in the spanning
+  /// tree from the ground to the platform. The matrix has the loop equations of one limb (a chain that
+  /// carries the platform), with the columns of the limb's own velocities before those of this path.
   static int carrying_column(const Part& part) { return size(part.passive) + size(part.active); }
 
   void sort_velocities(const char* driven) noexcept;
@@ -53,10 +56,12 @@ template <class T> class AXODE_ENTRY DriveElimination {
   /// eliminated in a second step. `nu` has the multipliers of the rows of `remaining_` after the second step;
   /// its contents are lost.
   void set_remaining(T* nu) noexcept;
-  /// Subtracts the constraint forces of loop equations from `forces` (nv), at the velocities with drives. If
-  /// `only_remaining` is set, only those equations of each limb count that are left over after the
-  /// elimination of the limb's velocities without a drive; otherwise all equations count. Returns the largest
-  /// magnitude of a subtracted term, the product of a multiplier and an entry of an equation.
+  /// Subtracts constraint forces from the entries of `forces` (nv) at velocities with drives; the other
+  /// entries do not change. The constraint forces are those of the loop equations of all limbs (chains that
+  /// carry the platform) for the multipliers Part::mu. If `only_remaining` is set, only those equations of
+  /// each limb count that are left over after the elimination of the limb's velocities without a drive;
+  /// otherwise all equations count. Returns the largest magnitude of a subtracted term, the product of a
+  /// multiplier and an entry of an equation.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
   /// Replaces the drive forces `forces` (nv) by those of least norm that cause the same motion: the part by
   /// which drives act against each other is subtracted. A loop equation that is left over after the

@@ -24,10 +24,10 @@ struct LimbShape {
 /// one in each SIMD lane: their loop equations, and their parts of the equations of motion in task space
 /// ((D18.2) to (D18.11)). The matrix of a limb's loop equations has columns for three kinds of velocities:
 /// the dependent ones, which the equations determine; the inner ones, the other velocities of the limb, which
-/// neither the equations nor the platform determine; and the carrying ones, which are the velocities of the
-/// joint between the ground and the platform. Lanes without a limb have an identity matrix in the columns of
-/// the dependent velocities, so that their pivots are 1. The number of lanes depends on the instruction set.
-/// All code that uses a pack must therefore be compiled for the same instruction set.
+/// neither the equations nor the platform determine; and the carrying ones. The carrying velocities are those
+/// of the platform's joint on the ground, most often a free joint. Lanes without a limb have an identity
+/// matrix in the columns of the dependent velocities, so that their pivots are 1. The number of lanes depends
+/// on the instruction set. All code that uses a pack must therefore be compiled for the same instruction set.
 class LimbPack {
   using L = Lanes<double>;
   using Number = L::Number;
@@ -36,8 +36,9 @@ class LimbPack {
   static constexpr int width = L::width;
   LimbShape shape;
 
-  /// `carrying` is the number of carrying velocities, which are the velocities of the joint between the
-  /// ground and the platform, and `free` is the number of independent carrying velocities.
+  /// `carrying` is the number of carrying velocities, the velocities of the platform's joint on the ground.
+  /// `free` is the number of those that can be chosen independently under all loop equations, the degrees of
+  /// freedom of the platform.
   LimbPack(const LimbShape& of, int carrying, int free)
       : shape(of),
         carrying_(carrying),
@@ -110,9 +111,8 @@ class LimbPack {
     }
     return -1;
   }
-  /// The entry of carrying velocity c, a velocity of the joint between the ground and the platform, in row i
-  /// of the loop equations of the limb in lane l, after resolve() has eliminated the limb's dependent
-  /// velocities.
+  /// The entry of carrying velocity c, a velocity of the platform's joint on the ground, in row i of the loop
+  /// equations of the limb in lane l, after resolve() has eliminated the limb's dependent velocities.
   double carrying_entry(int l, int i, int c) const { return A_.lane(i * columns() + velocities() + c, l); }
 
   /// Sets the right side -γ of the loop equations (m numbers for all loop equations; null for zeros) and
@@ -127,11 +127,11 @@ class LimbPack {
   }
   /// The right side of row i of the loop equations of the limb in lane l, after the elimination.
   double right_side(int l, int i) const { return b_.lane(i, l); }
-  /// Computes the velocities of all limbs and writes them to x (nv). `y` has the task velocities (f numbers),
-  /// from which the inner velocities of a limb, which the platform does not determine, are read: the inner
-  /// velocities of limb k begin at first_inner[k]. `s` has the velocities of the joint between the ground and
-  /// the platform. The dependent velocities follow from the inner velocities, from `s` and from the right
-  /// side of the eliminated loop equations.
+  /// Computes the joint velocities, or accelerations, of all limbs and writes them to x (nv). `y` has the f
+  /// task velocities, or their rates. An inner velocity of a limb is one that the platform does not
+  /// determine; it is itself a task velocity. Those of limb k begin at first_inner[k] in `y`. `s` has the
+  /// velocities, or accelerations, of the platform's joint on the ground. The dependent velocities follow
+  /// from the inner ones, from `s`, and from the loop equations with the right side of set_right_side().
   void expand(const double* y, const std::vector<int>& first_inner, const double* s, double* x) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.inner; ++j)
@@ -148,9 +148,10 @@ class LimbPack {
 
   /// Computes the rows of the dependent velocities in the matrix F of v = F V (D18.6), which maps task
   /// velocities V to joint velocities v. A limb has columns for the task velocities on which its velocities
-  /// depend: first those of the platform, then its inner velocities, which the platform does not determine. N
-  /// maps the task velocities of the platform to the velocities of the joint between the ground and the
-  /// platform; it is stored row by row, with `stride` numbers in each row.
+  /// depend: first those of the platform, then its inner velocities, which the platform does not determine.
+  /// In the loop equations of the limb the platform's motion is given by the velocities of its joint on the
+  /// ground. N maps the task velocities of the platform to the velocities of this joint; it is stored row by
+  /// row, with `stride` numbers in each row.
   void make_F(const double* N, int stride) noexcept {
     for (int i = shape.dependent; i-- > 0;) {
       for (int t = 0; t < free_; ++t) {
@@ -175,10 +176,9 @@ class LimbPack {
 
   /// Computes the part Fᵀ M F of each limb in the mass matrix of the task space (D18.11). F maps task
   /// velocities to joint velocities, and M (nv × nv) is the mass matrix of the spanning tree. If
-  /// shape.coupled is set, M couples the limbs with the joint between the ground and the platform, and the
-  /// part includes the entries of M for a velocity of the limb and one of this joint. `carrying` has the
-  /// indices of the velocities of this joint, and N, with `stride` numbers in each row, maps task velocities
-  /// to them.
+  /// shape.coupled is set, M couples the limbs with the platform's joint on the ground, and the part includes
+  /// the entries of M for a velocity of the limb and one of this joint. `carrying` has the indices of the
+  /// velocities of this joint, and N, with `stride` numbers in each row, maps task velocities to them.
   void make_M(const double* M, int nv, const std::vector<int>& carrying, const double* N,
               int stride) noexcept {
     const int n = velocities(), d = shape.dependent, m = motions();
@@ -248,9 +248,9 @@ class LimbPack {
   /// Computes multipliers of the loop equations that are pivot rows of the dependent velocities without a
   /// drive, that is, from which the elimination determines these velocities. The constraint forces of these
   /// rows supply the joint forces f (nv) that the motion needs at the velocities without a drive (D18.7).
-  /// `carrying` has the joint forces that the motion needs at the velocities of the joint between the ground
-  /// and the platform; the constraint forces of the same rows at these velocities are subtracted from it
-  /// (D18.8).
+  /// `carrying` contains the joint forces that the motion needs at the velocities of the platform's joint on
+  /// the ground. The constraint forces of the pivot rows at these velocities are subtracted from it, so that
+  /// it ends with the forces that the other loop equations must supply (D18.8).
   void subtract_passive(const double* f, double* carrying) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.passive; ++j) x_.lane(j, l) = f[velocity(l, j)];
@@ -340,9 +340,9 @@ class LimbPack {
   /// Computes the product Fᵀ Q for each limb, a part of the mass matrix of the task space. F maps task
   /// velocities to the velocities of the limb, and Q has `n` columns. If `first` is set, Q is M F with the
   /// mass matrix M of the limb's velocities; the product is symmetric and is stored. Otherwise Q is M N: M
-  /// has the entries of the tree's mass matrix that couple the limb with the joint between the ground and the
-  /// platform, and N maps the platform's task velocities to the velocities of this joint. Then the product
-  /// and its transpose are added to the stored matrix.
+  /// has the entries of the tree's mass matrix that couple the limb with the platform's joint on the ground,
+  /// and N maps the platform's task velocities to the velocities of this joint. Then the product and its
+  /// transpose are added to the stored matrix.
   void set_product(const Array& Q, int n, bool first) noexcept {
     const int m = motions();
     const auto product = [&](int r, int t) {

@@ -110,8 +110,9 @@ template <class T> class RowElimination {
       x[column_before(k)] = rest * inverse_[index(k)];
     }
   }
-  /// Applies the row operations of the elimination, the product of which is a matrix E, to a right side:
-  /// computes E b (`after`) for b (`before`) in the order of the rows before the elimination.
+  /// Applies the row operations of the elimination, row exchanges included, to a right side b: computes E b
+  /// with the product E of the operations. b (`before`) is in the original order of the rows, and E b
+  /// (`after`) in the order of the rows after pivoting.
   void reduce(const T* before, T* after) const noexcept {
     for (int i = 0; i < m_; ++i) after[i] = before[row_before(i)];
     for (int k = 0; k < rank_; ++k)

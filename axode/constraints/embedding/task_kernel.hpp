@@ -13,11 +13,11 @@ class LimbPack;
 TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
 
 /// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
-/// and velocities of joints that the platform does not determine. The velocities of the joint between the
-/// ground and the platform, most often a free joint, are called the carrying velocities. The dependent
-/// velocities of each limb (a chain that carries the platform) are eliminated from its loop equations. The
-/// equations that remain restrict the carrying velocities. Limbs with the same numbers of equations and
-/// velocities are computed together, in SIMD lanes.
+/// and velocities of joints that the platform does not determine. The platform's joint on the ground is most
+/// often a free joint; its velocities are called the carrying velocities. The dependent velocities of each
+/// limb (a chain that carries the platform) are eliminated from its loop equations. The equations that remain
+/// restrict the carrying velocities. Limbs with the same numbers of equations and velocities are computed
+/// together, in SIMD lanes.
 class AXODE_ENTRY TaskKernel {
  public:
   using Vector = Eigen::VectorXd;
@@ -40,26 +40,25 @@ class AXODE_ENTRY TaskKernel {
   const Model& model() const { return system_.model(); }
   const std::vector<Part>& parts() const { return parts_; }
   const std::vector<int>& carrying() const { return carrying_; }
-  /// The number of velocities of the joint between the ground and the platform that can be chosen
-  /// independently under the loop equations: the degrees of freedom of the platform.
+  /// The number of velocities of the platform's joint on the ground that can be chosen independently under
+  /// the loop equations: the degrees of freedom of the platform.
   int independent() const { return static_cast<int>(carrying_.size()) - dependent_; }
 
-  /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the joint
-  /// between the ground and the platform from the loop equations ((D18.2) to (D18.5)). Returns limb_singular
-  /// with the index of a limb whose loop equations do not determine its dependent velocities,
-  /// constraint_singular if the motion of the platform is not determined by its task velocities, and
-  /// otherwise solved.
+  /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the
+  /// platform's joint on the ground from the loop equations ((D18.2) to (D18.5)). Returns limb_singular with
+  /// the index of a limb whose loop equations do not determine its dependent velocities, constraint_singular
+  /// if the motion of the platform is not determined by its task velocities, and otherwise solved.
   TaskVerdict resolve() noexcept;
   /// Computes the joint velocities or accelerations x (nv) that keep the loops closed, A x = -γ (D18.10),
   /// from task velocities or their rates X (f numbers). A is the Jacobian of the loop equations; γ is the
   /// bias of (A v)' = A a + γ for accelerations, and null for velocities. x may share the memory of X. The
   /// dependent velocities must have been eliminated from the loop equations before.
   void expand(const double* X, const double* gamma, double* x) noexcept;
-  /// Computes the rows of all limbs in the matrix F, which maps task velocities to joint velocities (D18.6).
-  /// Must be called after resolve().
+  /// Computes the rows of all limbs (chains that carry the platform) in the matrix F, which maps task
+  /// velocities to joint velocities (D18.6). Must be called after resolve().
   void make_F() noexcept;
-  /// Writes the matrix F, nv × f, which maps task velocities to joint velocities (D18.6). Must be called
-  /// after make_F().
+  /// Writes the complete matrix F, nv × f, which maps task velocities to joint velocities (D18.6). Must be
+  /// called after make_F(), which computes the rows of F for the limbs, the chains that carry the platform.
   void write_F(Eigen::MatrixXd& F) const;
   /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
   /// matrix M and bias forces h. They are valid until the next call.
@@ -70,11 +69,11 @@ class AXODE_ENTRY TaskKernel {
   /// if the mechanism can move while all drives are locked, or if rounding leaves this open. Must be called
   /// after resolve().
   bool drive_forces(const double* f, double* tau) noexcept;
-  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. Requires make_F()
-  /// and the kinematics at q.
+  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. Requires the
+  /// kinematics at q and make_F(), which computes the matrix F that maps task velocities to joint velocities.
   void make_M(std::span<const double> q) noexcept;
   /// Computes Fᵀ w (f numbers) for w (nv), where F maps task velocities to joint velocities. Must be called
-  /// after make_F().
+  /// after make_F(), which computes F.
   void project(const double* w, double* out) noexcept;
   /// Subtracts M x (nv) from w, with the mass matrix M of the spanning tree. Requires make_M().
   void subtract_inertia_forces(const double* x, double* w) const noexcept;
@@ -99,10 +98,11 @@ class AXODE_ENTRY TaskKernel {
   bool has_drive(int c) const { return model().loops().driven[index(c)] != 0; }
   void make_parts(const Limbs& limbs);
   void determine_ranks();
-  /// Distributes the limbs over packs, which are computed in SIMD lanes. The limbs of a pack have the same
-  /// numbers of loop equations, of dependent velocities (which the loop equations determine) with and without
-  /// a drive, and of other velocities. The columns of the velocities of the joint between the ground and the
-  /// platform get the present order of `carrying_`.
+  /// Distributes the limbs (chains that carry the platform) over packs, which are computed in SIMD lanes. The
+  /// limbs of a pack have the same numbers of loop equations, of dependent velocities (which the loop
+  /// equations determine) with and without a drive, and of other velocities. The loop equations of a limb
+  /// also contain the velocities of the platform's joint on the ground; their columns are in the present
+  /// order of `carrying_`, the list of these velocities.
   void make_packs();
   void choose_components();
   /// Orders `velocities` in three groups: the dependent velocities without a drive, the dependent ones with a
@@ -115,17 +115,19 @@ class AXODE_ENTRY TaskKernel {
   /// Eliminates the dependent velocities of all limbs from their loop equations. Returns the index of a limb
   /// that is singular; -1 if there is none.
   int eliminate_limbs() noexcept;
-  /// Eliminates the dependent velocities of the joint between the ground and the platform, the first
-  /// `dependent_` ones in `carrying_`, from the loop equations that remain after the elimination of the
-  /// limbs' velocities. Returns whether the rank of these equations is certain in spite of rounding errors.
+  /// Eliminates the dependent velocities of the platform's joint on the ground, the first `dependent_` ones
+  /// in `carrying_`, from the loop equations that remain after the elimination of the limbs' velocities.
+  /// Returns whether the rank of these equations is certain in spite of rounding errors.
   bool eliminate_constraints() noexcept;
-  /// Computes the matrix N_c of (D18.4), which maps the independent velocities of the joint between the
-  /// ground and the platform to all velocities of this joint, and stores it in `N_`.
+  /// Computes the matrix N_c of (D18.4) and stores it in `N_`. The loop equations restrict the velocities of
+  /// the platform's joint on the ground, so that only some of these velocities are independent, as many as
+  /// the platform has degrees of freedom. N_c maps the independent velocities of this joint to all its
+  /// velocities.
   void solve_constraints() noexcept;
-  /// Replaces the task velocities, which are independent velocities of the joint between the ground and the
-  /// platform, by the chosen components of the platform's twist: changes the matrix N that maps task
-  /// velocities to the velocities of the joint (D18.5). Returns whether these components determine the
-  /// motion.
+  /// Replaces the task velocities of the platform: they are independent velocities of the platform's joint on
+  /// the ground before the call, and the chosen components of the platform's twist after it. Changes the
+  /// matrix N that maps task velocities to the velocities of the joint (D18.5). Returns whether the chosen
+  /// components determine the motion of the platform.
   bool change_to_components() noexcept;
   /// Computes the inertias of the bodies with the indices first, first + 1, ..., one in each SIMD lane. They
   /// are in inertial axes, about the origin of the first body on the path from the ground to each body.
@@ -155,9 +157,8 @@ class AXODE_ENTRY TaskKernel {
   bool are_components_ = false;  ///< whether the carrying velocities themselves are the chosen components
   RowElimination<double> to_components_;
   /// The linear system for the multipliers of the loop equations that remain after the elimination of the
-  /// limbs' velocities without a drive (D18.8). It has a row for each velocity of the joint between the
-  /// ground and the platform, a column for each remaining loop equation, and a last column for the right
-  /// side.
+  /// limbs' velocities without a drive (D18.8). It has a row for each velocity of the platform's joint on the
+  /// ground, a column for each remaining loop equation, and a last column for the right side.
   Eigen::MatrixXd drives_;
   bool drives_by_limbs_ = false;  ///< whether drive_forces() may use the elimination of resolve()
   Matrix N_;                      ///< carrying velocities × f: N of (D18.5)

@@ -74,7 +74,8 @@ class TaskSpace {
   int freedom() const;
   const std::vector<std::string>& names() const;
   /// limbs() is the number of limbs, which are the chains that carry the platform, and limb(l) has the
-  /// indices of the velocities of limb l. The last limb has the velocities that no loop constrains.
+  /// indices of the velocities of limb l. If no loop constrains some of the velocities outside the platform's
+  /// joint, these velocities count as one more limb, the last one.
   int limbs() const;
   const std::vector<int>& limb(int l) const;
 
