@@ -7,8 +7,9 @@
 
 namespace axode {
 
-/// The paths in the spanning tree of all loops of a mechanism, the type of each loop joint, and the path of
-/// each coupling of joints.
+/// The loop joints of a mechanism with their types, and a LoopPath for each loop joint and each coupling of
+/// joints: the paths in the spanning tree from its two bodies, or from the joints of the coupling, to the
+/// ground.
 struct LoopTable {
   using Range = LoopPath::Range;
   /// Consecutive velocities (rows of Y = D^-½ L⁻ᵀ Aᵀ) with non-zero entries for the same loop rows.

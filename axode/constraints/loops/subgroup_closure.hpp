@@ -70,11 +70,12 @@ struct SubgroupClosure {
   }
   /// Computes the wrenches R with r' = Rᵀ (V_j - V_i) for the residual r of the joint and the twists V_i and
   /// V_j of its two bodies (D6.4). D = g E is the relative pose of the frames of the joint, and g a motion in
-  /// the subgroup that the joint allows. In the frame of the joint r' = P X for X = D⁻¹ D' and
+  /// the subgroup that the joint allows. With φ = log R_E, the rotation R_E and the position r_E of E, the
+  /// residual is r = Tᵀ (φ; r_E). In the frame of the joint r' = P X for X = D⁻¹ D' and
   ///   P = Tᵀ (I - K (Nᵀ K)⁻¹ Nᵀ) B
-  /// with B = diag(dexp⁻¹_{-φ}, R_E), φ = log R_E and K = B Ad_E⁻¹ S. S spans the free screws of the joint,
-  /// and T the wrenches reciprocal to them. The columns of N are unit vectors of those coordinates of (φ;
-  /// r_E) that are 0 by the choice of g.
+  /// with B = diag(dexp⁻¹_{-φ}, R_E) and K = B Ad_E⁻¹ S. S spans the free screws of the joint, and T the
+  /// wrenches reciprocal to them. The columns of N are unit vectors of those coordinates of (φ; r_E) that are
+  /// 0 by the choice of g.
   template <class T> void residual_wrenches(const LoopFrames<T>& at, SpatialWrench<T>* R) const {
     const SE3<T> E = strip(relative(at));
     const Vec3<T> phi = log_SO3(E.R);
