@@ -126,9 +126,9 @@ class AbsoluteSystem {
   Solvability factorize_with_rank(Span q);
   /// Solves M x - Bᵀ λ = r and B x = rhs, with the mass matrix M and the constraint Jacobian B of the last
   /// factorisation. λ is not unique if loop equations are redundant. The multipliers of equations that
-  /// factorize_with_rank() found redundant are 0. If the other equations are dependent, their λ approximates
-  /// the solution with the least Σ d_k² λ_k² (D7.8), where d_k² is the diagonal entry of A M⁻¹ Aᵀ for
-  /// equation k, with the Jacobian A of the loop equations and the mass matrix M of the spanning tree.
+  /// factorize_with_rank() found redundant are 0. If the other loop equations are dependent, their
+  /// multipliers approximate the solution with the least Σ d_k² λ_k² (D7.8), where d_k is the size of
+  /// equation k, see LoopSystem::factorize_rows().
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
   /// How far the loop equations were from linear dependence in the last solve(), from 0 (dependent) to 1.
   double weakest_row() const { return loops_.weakest_row(); }
