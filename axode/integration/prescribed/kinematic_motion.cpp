@@ -99,9 +99,10 @@ class KinematicSolver {
   /// the last configuration for which differentiate() computed velocities and accelerations.
   Eigen::Index freedom() const { return freedom_; }
 
-  /// Advances the state `at` to a later time t, in as many steps as needed. `whole` is the duration of the
-  /// motion. `monitor`, a function of the caller, is called before every step. Returns false if the monitor
-  /// does so or if t cannot be reached; `at` is then the last state that was reached.
+  /// Advances the state `at` to a later time t, in as many steps as needed. `whole` (s) is the duration of
+  /// the whole motion; a step that fails is halved, but not to less than a small part of this duration.
+  /// `monitor`, a function of the caller, is called before every step. Returns false if the monitor does so
+  /// or if t cannot be reached; `at` is then the last state that was reached.
   bool go(double t, double whole, const std::function<bool()>& monitor, Instant& at) {
     double h = t - at.t;
     while (at.t < t) {
