@@ -38,8 +38,9 @@ bool same(const SO3<>& a, const SO3<>& b) {
   return norm(a.x - b.x) <= 10 * noise && norm(a.y - b.y) <= 10 * noise && norm(a.z - b.z) <= 10 * noise;
 }
 
-/// The pose, in the body frame, of the frame in which axis and point of a joint are given: a joint frame if
-/// `geometry` gives joint frames, otherwise the body frame.
+/// The pose, in the body frame, of the frame in which axis and point of the body's joint are given, for a
+/// body that is not described in the construction frame (the inertial frame at q = 0). If `geometry` gives
+/// the joint frames of this joint, it is the joint frame on the body; otherwise it is the body frame.
 SE3<> given_frame(const Geometry& geometry) {
   const auto* frames = std::get_if<InJointFrames>(&geometry);
   return frames == nullptr ? SE3<>{} : frames->S_self;
