@@ -54,8 +54,10 @@ template <class Rep, class T> class ScrewPartials {
         tails_(static_cast<std::size_t>(order)) {}
 
   /// Calls f(alpha, a, X) for every joint screw a of the path and every multi-index alpha, a list of `order`
-  /// indices of joint screws. X is the partial derivative of screw a with respect to the joint coordinates of
-  /// the screws in alpha, by alpha[0] first. Ends early if should_continue() returns false.
+  /// indices of joint screws in any order, with repetitions. X is the partial derivative of screw a along the
+  /// joint velocities of the screws in alpha, along that of alpha[0] first. The order matters only for
+  /// velocities of the same joint, whose left-trivialised directions need not commute. Ends early if
+  /// should_continue() returns false.
   template <class F> void each(const std::function<bool()>& should_continue, const F& f) {
     std::fill(alpha_.begin(), alpha_.end(), 0);
     for (bool more = true; more;) {
@@ -136,7 +138,8 @@ template <class Rep, class T> class ScrewPartials {
     while (n-- > 0) x = cross(screw(chain_[n]).hybrid.w, x);
     return x;
   }
-  /// Computes the derivatives of the place's position along the directions of chain_ from k on, for each k.
+  /// Computes, for each k, the derivative of the position of the place (a frame or a point on a body, to
+  /// which the path of joint screws leads) along the directions of chain_ from k on.
   void put_tails() {
     for (std::size_t k = chain_.size(); k-- > 0;) {
       const Screw<T>& J = screw(chain_[k]).hybrid;
@@ -144,9 +147,10 @@ template <class Rep, class T> class ScrewPartials {
     }
   }
   /// The linear part of the partial derivative of order ν of the hybrid screw a along the ν directions in
-  /// chain_ (D15.4). It is the derivative of order ν + 1 of the place's position, along screw a and along
-  /// each of these directions. `inward` is the number of directions in chain_ that belong to the joint of
-  /// screw a or to joints between it and the root.
+  /// chain_ (D15.4). It is the derivative of order ν + 1 of the position of the place (a frame or a point on
+  /// a body, to which the path of joint screws leads), along screw a and along each of these directions.
+  /// `inward` is the number of directions in chain_ that belong to the joint of screw a or to joints between
+  /// it and the root.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -259,9 +263,9 @@ template <class T> class DirectionalDerivatives {
   /// Computes the derivatives of the joint screws begin to end - 1 of the path, which belong to one joint:
   /// for each selection of the given directions u_s, the mixed derivative along all directions in it.
   /// Selections with the same number of directions from each run of equal consecutive directions have the
-  /// same derivative, which is computed once. W_ has the twist W(u_s) of a body for the joint velocities of
-  /// each direction u_s, and the derivatives of this twist along these selections. Before the call the body
-  /// is the predecessor of the joint's body, and after the call the joint's body.
+  /// same derivative, which is computed once. W_ has, for each run s and each selection, the derivative along
+  /// the selection of W(u_s), the spatial twist of a body for the joint velocities u_s. Before the call this
+  /// body is the predecessor of the joint's body, and after the call the joint's body.
   void body(std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) J_[c * parts_] = path_.screws[c].spatial;
     for (std::size_t S = 0; S < parts_; ++S) {
