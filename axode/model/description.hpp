@@ -244,8 +244,9 @@ struct LoopDescription {
   Source source = {};
 };
 
-/// A coupling Σ factor q = offset of the coordinates of joints with one velocity: a differential, a cable or
-/// a gear train. With a positive `play` it only requires |Σ factor q - offset| <= play/2.
+/// A coupling Σ factor q = offset of the coordinates q of joints with one degree of freedom each: a
+/// differential, a cable or a gear train. With a positive `play` it only requires |Σ factor q - offset| <=
+/// play/2.
 struct CouplingDescription {
   std::string name = {};                                   ///< empty: `coupling 1`, ...
   std::vector<std::pair<std::string, double>> terms = {};  ///< joints and their factors
@@ -273,7 +274,7 @@ struct MotionDescription {
 };
 
 /// The input of a drive: the output of another drive (`from`), a function of time, or values that change in
-/// steps. If drives of this kind have no input, all members are empty.
+/// steps. All members are empty for a drive of a kind without input, such as friction.
 struct DriveInput {
   std::string from = {};                           ///< name of the drive whose output is the input, or empty
   std::optional<MotionDescription> function = {};  ///< function of time; its `name` and `of` are not used
@@ -286,8 +287,8 @@ struct DriveInput {
 struct DriveDescription {
   std::string name = {};  ///< empty: `drive 1`, ...
   DriveKind kind = DriveKind::dc_motor;
-  /// The joints on which the drive acts, each with its factor in the drive's coordinate Σ factor q. The
-  /// joints must have one velocity. Empty if the drive acts along a line.
+  /// The joints on which the drive acts, each with its factor in the drive's coordinate Σ factor q. Each
+  /// joint must have one degree of freedom. Empty if the drive acts along a line.
   std::vector<std::pair<std::string, double>> joints = {};
   struct Line {
     std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"

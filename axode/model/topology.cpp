@@ -124,10 +124,10 @@ struct Arrival {
   int leader, from;
 };
 
-/// For each body, the paths of coupled joints that come to it or begin at it, sorted by their leaders. A path
-/// begins at the body of a leader l, a joint to which others are coupled, or of a joint that is coupled to l
-/// and shares its velocity. It leads towards the ground and ends at the body meets[l], where all paths with
-/// the leader l meet.
+/// For each body, the paths of coupled joints that begin at it, pass through it or end at it, sorted by their
+/// leaders. A path begins at the body of a leader l, a joint to which others are coupled, or of a joint that
+/// is coupled to l and shares its velocity. It leads towards the ground and ends at the body meets[l], where
+/// all paths with the leader l meet. Paths with the same leader that meet before count as one from there on.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));

@@ -372,8 +372,10 @@ class Compiler {
     }
   }
 
-  /// Numbers the coordinates and velocities of the joints. For joints that share a velocity, the armatures,
-  /// damping and friction are added.
+  /// Numbers the coordinates and velocities of the joints, and adds up the armature, damping and friction of
+  /// each velocity. A coupled joint shares the velocity of its leader and moves k times as fast, with the
+  /// ratio k of the coupling. Its armature and damping are multiplied by k² and its friction by |k|, so that
+  /// energy and power are the same.
   void number_joints(const Topology& topology) {
     numbers_.g = description_.gravity;
     for (std::vector<double>* terms : {&numbers_.armature, &numbers_.damping, &numbers_.friction})

@@ -132,7 +132,8 @@ template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, 
 }
 
 /// Adds the contact settings of a mounted mechanism to the settings `into` of the mechanism on which it is
-/// mounted. If both have a number, that of `into` is kept.
+/// mounted. If both have settings, the lists of pairs of bodies without contacts are joined, and the numbers
+/// of `into` are kept: its friction coefficient, margin and threshold.
 void mount_contact(std::optional<ContactDescription>& contact, const Mount& at,
                    std::optional<ContactDescription>& into) {
   if (!contact) return;

@@ -66,7 +66,8 @@ std::optional<DrawnMass> drawn_mass(const BodyDescription& body) {
   return DrawnMass{A * given.com,
                    std::sqrt(std::max(0.0, trace(given.Theta) / (2 * given.mass) - about_origin))};
 }
-/// For each body centre of mass and radius of gyration, if it is massless of its first descendant with mass.
+/// For each body the centre of mass and radius of gyration of this body or, if it has no mass, of its first
+/// descendant with mass. Only bodies that are described in the construction frame count.
 std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
                                                    const DepthFirstOrder& order) {
   std::vector<std::optional<DrawnMass>> first(expanded.bodies.size());
@@ -83,8 +84,9 @@ constexpr double most_radii = 16;
 
 /// Computes the poses of a body and its joint frame at q = 0 from those of its predecessor (null for the
 /// ground). `mass` has the centre of mass and radius of gyration of the body or, if it has no mass, of its
-/// first successor with mass: the joint frame of a prismatic joint is moved to this centre of mass if it is
-/// far away.
+/// first descendant with mass. If the body is described in the construction frame (the inertial frame at q =
+/// 0), the joint frame of a prismatic joint is moved to this centre of mass if it is further away from it
+/// than `most_radii` times the radius of gyration.
 Placement reference_placement(const BodyDescription& body, const Placement* predecessor,
                               const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;

@@ -6,9 +6,12 @@
 
 #include "axode/model/description.hpp"
 
-/// Computes the poses of all bodies and joint frames of a description at q = 0. A description may give them
-/// in three ways: in the construction frame (the inertial frame in which the mechanism is drawn), in body
-/// frames, or in joint frames.
+/// Computes the poses of all bodies and joint frames of a description at q = 0. A description may give the
+/// geometry of a body in three ways. In the construction frame (the inertial frame in which the mechanism is
+/// drawn) it gives the pose of the body and the axis and point of its joint. In body frames it gives the pose
+/// of the body relative to its predecessor, and the axis and point in the frame of the body. In joint frames
+/// it gives the poses of the joint frame relative to the predecessor and relative to the body, and the axis
+/// and point in the joint frame.
 namespace axode {
 
 /// The pose with its rotation matrix, orthonormal to 1e-6, made orthonormal to working precision.
@@ -66,8 +69,9 @@ struct Placement {
 ///
 /// The point of a prismatic joint has no influence on the motion either. If a body that is described in the
 /// construction frame has its centre of mass further away from this point than 16 radii of gyration, the
-/// origin of the joint frame is the centre of mass. A body without mass takes the mass of its first successor
-/// that has one.
+/// origin of the joint frame is the centre of mass. For this choice, the centre of mass and radius of
+/// gyration of a body without mass are those of its first descendant that has mass and is described in the
+/// construction frame.
 std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order);
 
 /// The two joint frames of a loop in the construction frame at q = 0, and its size as in Loop::size.

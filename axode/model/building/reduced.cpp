@@ -99,8 +99,10 @@ void lock_springs(Description& description, const Model& model, const std::vecto
   });
 }
 
-/// Removes from a description the initial state, and the prescribed motions of locked joints and of removed
-/// loops. Throws std::invalid_argument if a drive acts on a locked joint.
+/// Removes from a description the parts that belong to joints and loops without motion: the initial state of
+/// locked joints, and the prescribed motions of locked joints and of rods (loop joints that keep two points
+/// at a fixed distance) that drop_still_loops() removed. is_locked[i] says whether joint i is locked. Throws
+/// std::invalid_argument if a drive acts on a locked joint.
 void drop_still_motions(Description& description, const Model& model, const std::vector<bool>& is_locked) {
   const auto locked = [&](const auto& entry) { return is_locked[model.joint_index(entry.first)]; };
   if (description.state) {

@@ -5,8 +5,10 @@
 namespace axode {
 namespace {
 
-/// The slopes, at the points of a table, of a piecewise cubic that is monotone between the points. A slope is
-/// the mean of the slopes of the two adjacent secants, reduced where the cubic would not be monotone.
+/// The slopes, at the points of a table, of a piecewise cubic that is monotone between the points (Fritsch
+/// and Carlson). A slope is the mean of the slopes of the two adjacent secants, or 0 if their signs differ or
+/// one of them is 0; at the first and last point it is that of the only secant. If the slopes at the ends of
+/// an interval are a and b times that of its secant with a² + b² > 9, both are multiplied by 3 / √(a² + b²).
 std::vector<double> monotone_slopes(const TableCurve& table) {
   const std::size_t n = table.deflections.size();
   std::vector<double> secants(n - 1), slopes(n);
