@@ -85,8 +85,9 @@ Answer jerk_answer(const Question& ask) { return twist_derivative(ask, 2); }
 Answer snap_answer(const Question& ask) { return twist_derivative(ask, 3); }
 Answer twist_derivative_answer(const Question& ask) { return twist_derivative(ask, ask.order); }
 
-/// Converts a tensor of derivatives to nested lists. There is a level of lists for each of the `order`
-/// derivatives, the outermost derivative first; the innermost lists are six rows of nv entries.
+/// Converts the partial derivatives of order `order` of a Jacobian (6 × nv) to nested lists. There is a level
+/// of lists for each derivative, and the outermost level is that of the derivative that is taken last. The
+/// innermost lists are the six rows of the Jacobian, with nv entries each.
 template <class Column> Json nested(std::span<const Column> tensor, int order, int nv) {
   if (order == 0) return rows_of(tensor);
   Json list = Json::array();

@@ -42,9 +42,9 @@ std::string rate_axes(Representation representation) {
   }
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
-/// Says in words in which axes a wrench is given and about which point its moment is. `whose` is "frame" or
-/// "body". `own` names the point in the body-fixed and mixed representations, and `point` names it in the
-/// hybrid one.
+/// Says in words in which axes a wrench is given and about which point its moment is. `whose` ("frame" or
+/// "body") names the owner of the axes in the body-fixed and mixed representations, as in "the frame's own
+/// axes". `own` names the point in these two representations, and `point` names it in the hybrid one.
 std::string wrench_axes(Representation representation, const char* whose, const char* own,
                         const std::string& point) {
   switch (representation) {
@@ -242,12 +242,12 @@ struct Result {
     }
   }
 
-  /// Adds rows with the numbers of the arrays `results` to a table. Each array is a whole result of a
-  /// function of the catalogue, or the part of it at one index on each of its first `axis` axes; its own axes
-  /// are the remaining ones. The first row begins with the cells `before`. Each row continues with one cell
-  /// for each remaining axis, which has the name of the row's index on this axis, and then has the numbers.
-  /// The last axis of a matrix has no such cell: its indices are the columns of the table. A matrix over
-  /// inertial parameters is written transposed.
+  /// Adds rows with the numbers of the arrays `results` to a table. All arrays have the same shape, and their
+  /// numbers are side by side in one row. Each array is a whole result of a function, or the part of a result
+  /// at one index on each of its first `axis` axes. The first row begins with the cells `before`. Each row
+  /// continues with one cell for each remaining axis, which has the name of the row's index on this axis, and
+  /// then has the numbers. The last axis of a matrix has no such cell, because its indices are the columns of
+  /// the table. A matrix over inertial parameters is written transposed.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {

@@ -25,8 +25,9 @@ struct WrittenMotion {
   Eigen::MatrixXd loads;
 };
 
-/// Samples a motion at the ends of its steps or, if `samples` is positive, at the ends of `samples` equal
-/// intervals. The motion must have been computed under the given drive and loads.
+/// Computes all members of WrittenMotion at the start of a motion and at the ends of its steps or, if
+/// `samples` is positive, of `samples` equal intervals. The drive forces and the loads are computed again
+/// from `drive` and `loads`, which must be those under which the motion was computed.
 WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const Loads<>& loads, int samples);
 
 /// The numbers of a motion as CSV: a line with the names of the columns, then a row for each time.
