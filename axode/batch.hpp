@@ -72,8 +72,9 @@ struct DriveMotions {
 /// Integrates N motions of K steps of equal length `step` (s), by an explicit Runge-Kutta-Munthe-Kaas method,
 /// as axode::simulate_fixed() does. q and v are the initial states of the N motions. tau has the drive
 /// forces: nv numbers for each step of each motion, constant during the step. q_out and v_out receive K + 1
-/// states for each motion, beginning with the initial state. If a motion cannot continue, its later states
-/// are NaN. If `compiled` is not empty, it replaces the library's forward dynamics.
+/// states for each motion, beginning with the initial state. Each array has one motion after the other, and
+/// each motion one step after the other. If a motion cannot continue, its later states are NaN. If `compiled`
+/// is not empty, it replaces the library's forward dynamics.
 ///
 /// Loops are closed again after each step. Models with loops need double precision, and the function throws
 /// std::invalid_argument if a loop is open in an initial state.
@@ -81,11 +82,11 @@ struct DriveMotions {
 /// If `joint_losses` is set, damping, dry friction and losses of gears act. Dry friction and losses of gears
 /// need double precision, and motions with them are computed one at a time.
 ///
-/// Drives with states (motors, controllers, ...) need double precision, and motions with them are computed
-/// one at a time. If dry friction or losses of gears act too, such motions must start at t = 0. A step is
-/// divided where the law of a drive changes its form, for example at a limit, and where an input jumps. For
-/// the same forces and times the motions are those of simulate_fixed() to the last bit. A step allocates
-/// memory only if there is dry friction.
+/// Drives with states (motors, controllers, ...) need double precision. Motions with such drives are computed
+/// one at a time, and must start at t = 0 if dry friction or losses of gears act too. A step of such a motion
+/// is divided where the law of a drive changes its form, for example at a limit, and where an input jumps.
+/// For the same forces and times such motions are those of simulate_fixed() to the last bit, and their steps
+/// allocate memory only if dry friction or losses of gears act.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,

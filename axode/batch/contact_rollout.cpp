@@ -24,9 +24,9 @@ using Span = std::span<const double>;
 /// Integrates motions with contact, one after the other, in the same memory.
 class RolledMotion {
  public:
-  /// Allocates the memory for all motions. (q, v) must be a finite state with closed loops, for example the
-  /// start of the first motion; begin() sets the start of each motion. `goes_on` is called in the thread of
-  /// the motion during steps that take many iterations. If it returns false, the motion ends.
+  /// Allocates the memory for all motions. This needs a finite state (q, v) with closed loops, for example
+  /// the start of the first motion; begin() then sets the start of each motion. `goes_on` is called in the
+  /// thread of the motion during steps that take many iterations. If it returns false, the motion ends.
   RolledMotion(const Model& model, const ContactShapes& shapes, Span q, Span v, const Drive& drive,
                const DriveMotions& drives, bool joint_losses, const std::function<bool()>& goes_on)
       : drive_(drive),

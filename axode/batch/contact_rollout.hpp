@@ -7,9 +7,10 @@ namespace axode::batch {
 /// Integrates N motions with contact, K steps of equal length `step` (s) each with the method of
 /// axode::simulate_contact(): impulses at both ends of a step. tau has nv K N numbers, the drive forces,
 /// which are constant in each step. q_out and v_out receive (K + 1) states for each motion, beginning with
-/// the given initial state. `certificates` receives, for each step of each motion, the relative residual of
-/// the laws of contact (K N numbers, see Trajectory::certificates), unless it is empty. If a motion cannot
-/// continue, its later states and certificates are NaN.
+/// the given initial state. Unless it is empty, `certificates` receives the relative residual of the laws of
+/// contact for each step of each motion (K N numbers, see Trajectory::certificates). Each array has one
+/// motion after the other, and each motion one step after the other. If a motion cannot continue, its later
+/// states and certificates are NaN.
 ///
 /// The monitor is the caller's function monitor(done, of) that can end a long call by returning false. It is
 /// called in the calling thread, before and during steps. `of` is N; `done` is always 0, because finished

@@ -11,8 +11,8 @@
 namespace axode::batch {
 
 /// Computes a function of the table axode/table/functions.hpp for as many states at once as there are SIMD
-/// lanes. call() needs scratch memory of bytes(tree) bytes, takes contiguous states, and returns a bit for
-/// each state whose mass matrix may be singular.
+/// lanes. call() needs scratch memory of bytes(tree) bytes, takes one state after the other, each with
+/// contiguous numbers, and returns a bit for each state whose mass matrix may be singular.
 template <class S> struct LaneKernel {
   std::size_t (*bytes)(const Tree<S>&) = nullptr;
   unsigned (*call)(const Tree<S>&, Arena, const catalog::Read<S>& given, S* out) noexcept = nullptr;
@@ -32,8 +32,8 @@ template <class S> struct ControlLaw {
   const S* rows;     ///< q_d (nq), v_d (nv) and w (nv) for each stage, beginning with those of the first step
 };
 
-/// Calls compiled forward dynamics. It has memory for the arguments and results of as many states as there
-/// are SIMD lanes; the states are contiguous.
+/// Forward dynamics that was generated and compiled for one model, with memory for the arguments and results
+/// of as many states as there are SIMD lanes. In each array the numbers of one state are contiguous.
 template <class S> struct CompiledCall {
   const CompiledDynamics<S>* dynamics;
   S *q, *v, *tau, *a, *scratch;

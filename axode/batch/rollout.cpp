@@ -50,8 +50,9 @@ template <class S> class ScalarRollout {
       if (ClosedMotion* const loops = accelerations_.loops()) loops->determine_rank(q);
   }
 
-  /// Computes step k from (q, v), and writes the new state to q_1 and v_1. The forces tau act if there is no
-  /// drive. Returns why the step failed, if it did.
+  /// Computes step k from the state (q, v), and writes the new state to q_1 and v_1. All joint forces are
+  /// those that the drive of the constructor computes or, if it is empty, the forces tau (nv), which are
+  /// constant during the step. Returns why the step failed, if it did.
   Solvability run(std::size_t k, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
                   double step, std::span<S> q_1, std::span<S> v_1) {
     if constexpr (std::same_as<S, double>)
@@ -261,8 +262,8 @@ bool check_loops(const Model& model, std::span<const float>, std::span<const flo
                               "\" has loops, which rollouts count in double precision alone");
 }
 
-/// Whether drives with states act in a rollout. Throws std::invalid_argument if they act and S is float, or
-/// if states x of drives are given although no drive has states.
+/// Whether the model has drives with states or `drives` adds some to it. Throws std::invalid_argument if
+/// there are such drives and S is float, or if there are none although arrays for their states x are given.
 template <class S> bool has_drives(const Model& model, const DriveMotions& drives) {
   if (model.drives().empty() && drives.added.empty()) {
     check_size("x", drives.x.size(), 0, "nx N");
