@@ -39,19 +39,19 @@ Model load(const std::filesystem::path& file, Base base = Base::as_described,
 std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as_described,
                          Strictness strictness = Strictness::lenient);
 
-/// Reads a drawing (the TOML format of this library) into a description, from which a Model can be built.
-/// Warnings are in Description::warnings. `file_name` is used in messages. Throws ModelError with every
-/// fault.
+/// Reads the text of a drawing (the TOML format of this library) into a description, from which a Model can
+/// be built. Warnings are in Description::warnings. `file_name` names the file in messages. Throws ModelError
+/// with every fault.
 Description read_drawing_text(std::string_view text, const std::string& file_name,
                               Strictness strictness = Strictness::lenient);
-/// Reads a URDF into a description, from which a Model can be built. Warnings are in Description::warnings.
-/// `file_name` is used in messages. Throws ModelError with every fault. An extension of URDF closes loops: an
-/// element `loop_joint` with name and type has elements `link1` and `link2`, each with a link and with xyz
-/// and rpy of a frame on it, whose z is the axis of the joint.
+/// Reads the text of a URDF file into a description, from which a Model can be built. Warnings are in
+/// Description::warnings. `file_name` names the file in messages. Throws ModelError with every fault. An
+/// extension of URDF closes loops: an element `loop_joint` with name and type has elements `link1` and
+/// `link2`, each with a link and with xyz and rpy of a frame on it, whose z is the axis of the joint.
 Description read_urdf_text(std::string_view text, const std::string& file_name,
                            Strictness strictness = Strictness::lenient);
-/// Reads an SDF file into a description, from which a Model can be built. Warnings are in
-/// Description::warnings. `file_name` is used in messages. Throws ModelError with every fault.
+/// Reads the text of an SDF file into a description, from which a Model can be built. Warnings are in
+/// Description::warnings. `file_name` names the file in messages. Throws ModelError with every fault.
 Description read_sdf_text(std::string_view text, const std::string& file_name,
                           Strictness strictness = Strictness::lenient);
 

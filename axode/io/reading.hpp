@@ -47,9 +47,9 @@ std::optional<Fault> not_text(std::string_view text, const std::string& file);
 /// Whether a name has no control characters, so that it can be printed in a line of text.
 bool printable(std::string_view name);
 
-/// A decimal number that was read from a text. If the text is not a finite double, `broken` is the rule that
-/// it violates, and `complaint` says what is wrong, as the end of a sentence about the text: `is not a
-/// number`.
+/// A decimal number that was read from a text. If the text is not a finite double, `broken` is the rule under
+/// which the fault is reported: wrong_value, or non_finite_number for an infinity or NaN. `complaint` says
+/// what is wrong, as the end of a sentence about the text: `is not a number`.
 struct Number {
   double value = 0;
   std::optional<Rule> broken = {};

@@ -142,13 +142,15 @@ class XmlReader {
   /// The limit in the value `key` of an element; `otherwise` if it is absent, infinite from `unbounded` on.
   double bound(const XMLElement& e, const char* key, const std::string& owner, double otherwise,
                double unbounded);
-  /// The rotation by roll, pitch and yaw (rad), with a fault if they look like degrees. `subject` is the
-  /// subject of the fault's sentence.
+  /// The rotation by roll, pitch and yaw (rad). A fault is reported if an angle looks like degrees: if it is
+  /// a multiple of 5 whose magnitude is above 4 π and at most 720. `subject` is the subject of the fault's
+  /// sentence.
   SO3<> roll_pitch_yaw(const std::array<double, 3>& angles, const std::string& subject,
                        const std::string& owner, int line);
 
-  /// Reads the geometry of a visual or collision element, and appends a copy of `shape` with kind and
-  /// dimensions for each shape in it to `shapes`. Wrong dimensions are errors only if the reader is strict.
+  /// Reads the geometry of a visual or collision element. For each shape in the geometry, a copy of `shape`,
+  /// which has the role, pose and colour of the element, receives the kind and the dimensions of the shape
+  /// and is appended to `shapes`. Wrong dimensions are errors only if the reader is strict.
   void read_geometry(const XMLElement& e, ShapeDescription shape, const std::string& owner,
                      std::vector<ShapeDescription>& shapes);
 
