@@ -1,10 +1,11 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Computes the accelerations of mechanisms with loops by a version of the articulated-body algorithm (D4.12)
-/// that takes no coupled joints (joints that share a velocity) and does not estimate rounding errors, and the
-/// joint forces that spanning trees need by inverse dynamics. Both algorithms have twists and wrenches about
-/// the origins of the bodies.
+/// Two fast algorithms for mechanisms with loops. accelerate_fast() computes accelerations by a version of
+/// the articulated-body algorithm (D4.12) that takes no coupled joints (joints that share a velocity) and
+/// does not estimate rounding errors. force_fast() computes the joint forces that the spanning tree needs for
+/// a given motion (q, v, a), by inverse dynamics. Both algorithms have twists and wrenches about the origins
+/// of the bodies.
 namespace axode {
 
 template <class T>

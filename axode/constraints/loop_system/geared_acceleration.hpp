@@ -8,8 +8,8 @@ namespace axode {
 
 /// Computes the accelerations a (nv) of a mechanism with loops and the multipliers λ of the loop equations (a
 /// number for each equation). If loads.joint_losses is set, the losses of gears of moving joints are
-/// included. Then std::invalid_argument is thrown if the model has springs in addition to gears with losses,
-/// because τ could contain the forces of the springs, which do not pass through gears.
+/// included. Then std::invalid_argument is thrown if the model has springs in addition to gears with losses:
+/// callers can add the forces of springs to τ, but these forces do not pass through gears.
 template <class T>
 Solvability accelerate_with_losses(LoopSystem<T>& system, const Model& model, NumberSpan<T> q,
                                    NumberSpan<T> v, NumberSpan<T> tau, const Loads<T>& loads, std::span<T> a,

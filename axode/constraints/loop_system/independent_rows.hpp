@@ -17,11 +17,13 @@ template <class T> class AXODE_ENTRY IndependentRows {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
 
-  /// Analyses the loop equations at the position or velocity level, at the present kinematics. With their
-  /// Jacobian A and the mass matrix LᵀD L of the spanning tree, each equation has a column of Y = D^-½ L⁻ᵀ
-  /// Aᵀ. An equation is redundant if its column, minus the projection on earlier independent columns, has a
-  /// norm of at most `part` times the size of the equation. This size is the norm of its column, but not less
-  /// than a limit for rounding errors (D7.7).
+  /// Analyses the loop equations at the present kinematics. At the velocity level their Jacobian A has a row
+  /// for each equation A v = 0. At the position level A is the Jacobian of the position residuals, which
+  /// equations that restrict only velocities, such as those of rolling contacts, do not have. Each equation
+  /// has a column of Y = D^-½ L⁻ᵀ Aᵀ, with the mass matrix LᵀD L of the spanning tree. An equation is
+  /// redundant if its column, minus the projection on earlier independent columns, has a norm of at most
+  /// `part` times the size of the equation. This size is the norm of its column, but not less than a limit
+  /// for rounding errors (D7.7).
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 

@@ -4,9 +4,9 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Computes the scaled loop equations Y = D^-½ L⁻ᵀ Aᵀ, their rank and their multipliers. A is the Jacobian of
-/// the loop equations, and LᵀD L the mass matrix of the spanning tree. See "Redundant rows" of
-/// docs/derivations/loop-dynamics.md.
+/// Computes the scaled loop equations Y = D^-½ L⁻ᵀ Aᵀ, their rank, and the multipliers λ that solve
+/// Yᵀ Y λ = -b for a given b. A is the Jacobian of the loop equations, and LᵀD L the mass matrix of the
+/// spanning tree. See "Redundant rows" of docs/derivations/loop-dynamics.md.
 namespace axode {
 namespace {
 
@@ -20,8 +20,9 @@ namespace {
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
-/// A loop equation needs no filter if its pivot in the Cholesky factorisation of A M⁻¹ Aᵀ is larger than this
-/// part of d², where d is the size of the equation, see LoopSystem::scale().
+/// The multipliers are computed without the filter μ if each pivot in the Cholesky factorisation of A M⁻¹ Aᵀ
+/// is larger than this part of d², where d is the size of the pivot's equation, see LoopSystem::scale(). A is
+/// the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
 /// An equation of a loop joint counts as rounding errors, and is replaced by zeros so that its multiplier is
 /// 0, if g is less than this part of its size d (D7.7). Here g is the square root of the equation's diagonal
@@ -71,8 +72,9 @@ void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial
 
 /// Computes the columns of Y = D^-½ L⁻ᵀ Aᵀ of n equations of a loop at once, if no joints of the tree are
 /// coupled (D7.6). LᵀD L is the factorised mass matrix of the spanning tree and A the Jacobian of the loop
-/// equations. The wrenches that unit multipliers exert on the two bodies of the loop are moved to the ground;
-/// at each joint screw on the path they give one row of entries of Y.
+/// equations. The backward sweep of the articulated-body algorithm takes the wrenches that unit multipliers
+/// exert on the two bodies of the loop to the ground. Each joint screw on the way gives one row of entries of
+/// Y.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {

@@ -22,16 +22,18 @@
 namespace axode {
 
 /// The redundant loop equations, as LoopSystem::determine_rank() found them at a closed configuration. If a
-/// solution is computed with a RowRank, the multipliers of these equations are 0. An integration keeps it for
-/// a whole step, because equations that are redundant by geometry become independent as soon as the loops are
-/// a little open.
+/// solution is computed with a RowRank, the multipliers of these equations are 0. An integration keeps one
+/// RowRank for a whole step, because equations that are redundant only while the loops are closed become
+/// independent as soon as the loops are a little open.
 struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
 };
 
-/// A loop equation in which the position ρ (an angle or a length) follows a function s of time: its residual
-/// is ρ - s, its velocity ρ' = s', and its acceleration ρ'' = s''. `row` is its index among the equations for
-/// velocities, and `residual` its index among the residuals.
+/// The loop equation of a prescribed motion, in which a joint coordinate or the length of a rod (a loop joint
+/// that keeps two points at a fixed distance) follows a function s of time. For the coordinate or length ρ
+/// (rad or m) the residual is ρ - s, and the equations for velocities and accelerations are ρ' = s' and
+/// ρ'' = s''. `row` is the index of the equation among those for velocities, and `residual` its index among
+/// the residuals.
 template <class T> struct PrescribedRow {
   int row = 0, residual = 0;
   T s{}, ds{}, dds{};  ///< s minus the constant that r already contains, such as the drawn length of a rod;
@@ -86,16 +88,17 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// is not 0 for prescribed motions. The motion (q, v, a) and the loop equations for velocities must have
   /// been computed. The numbers are valid until the next call.
   std::span<const T> acceleration_residual(const T* a) noexcept;
-  /// Computes the least drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations
-  /// A v = 0, such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. Drives act on the
-  /// velocities with indices in `drives` or, if it is empty, on those of all joints that are not passive. A
-  /// must have been computed. Returns false without results if the mechanism can move while all drives are
-  /// locked, if λ is wanted and not unique, or if rounding leaves a rank open.
+  /// Computes drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations A v = 0,
+  /// such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. If several τ are possible, the one
+  /// with the least sum of squares (of numbers in N m and N) is taken. Drives act on the velocities with
+  /// indices in `drives` or, if it is empty, on those of all joints that are not passive. A must have been
+  /// computed. Returns false without results if the mechanism can move while all drives are locked, if λ is
+  /// wanted and not unique, or if a rank is uncertain because of rounding errors.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
   /// A scale by which eliminations judge the Jacobian of the loop equations: a pivot may be a rounding error
-  /// if it is small compared with this scale or with the largest entry. The scale is 0.1, or a tenth of the
-  /// largest distance (m) of a loop joint from the first body on its path from the ground if this distance is
-  /// less than 1 m and not 0.
+  /// if it is small compared with this scale or with the largest entry. The scale is 0.1 d. Here d is the
+  /// largest distance (m) of a loop joint k from the point origin(k), about which its wrenches are taken, but
+  /// at most 1, and 1 if the largest distance is 0.
   T considerable_entry() const noexcept;
   /// Computes the velocities v⁺ (nv) after an impact of the loops at q, A v⁺ = -e A v with the Jacobian A of
   /// the loop equations and the coefficient of restitution e, and the impulses of the equations (D7.12). With
@@ -133,9 +136,10 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void make_rows(ConstraintLevel level) noexcept;
   void make_wrenches(ConstraintLevel level) noexcept;  ///< computes only the wrenches of make_rows(), not the
                                                        ///< entries
-  /// The entries of the Jacobian of the loop equations that can be non-zero, for each loop. They are stored
-  /// column by column: a column belongs to a joint screw on the paths from the loop to the ground and has an
-  /// entry for each equation of the loop.
+  /// The entries of the Jacobian of the loop equations that can be non-zero, for each loop, stored column by
+  /// column. A column has an entry for each equation of the loop. It belongs to a joint screw on the paths in
+  /// the spanning tree from the two bodies of the loop to the body where these paths meet, or to a term of a
+  /// coupling of joints.
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
@@ -147,19 +151,19 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Computes γ - s'' (D6.7). The loop equations are A v = s' with prescribed right sides s', and γ is the
   /// part of (A v)' that does not depend on accelerations. The first function uses the motion of the bodies
   /// that move() computed last. The second one takes the twists V of the bodies and the rates dV that they
-  /// have if the velocities v are constant, each about the origin of the first body on the path from the
-  /// ground to the body.
+  /// have if the velocities v are constant. Both are in inertial axes, for each body about the origin of the
+  /// first body on the path from the ground to it.
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
   void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
   /// Computes the rates A x of all loop equations (D6.6), with their Jacobian A, for joint velocities x (nv).
-  /// X are the twists of the bodies at these velocities, each about the origin of the first body on the path
-  /// from the ground to the body.
+  /// X are the twists of the bodies at these velocities in inertial axes, for each body about the origin of
+  /// the first body on the path from the ground to it.
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
   /// Adds the constraint forces of the loops for multipliers λ. Loop joints exert wrenches on the bodies,
-  /// which are added to `on` and are about the origins of the root bodies (those on the ground). Couplings of
-  /// joints exert joint forces, which are added to tau (nv).
+  /// which are added to `on`: in inertial axes, for each body about the origin of the first body on the path
+  /// from the ground to it. Couplings of joints exert joint forces, which are added to tau (nv).
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
   /// Computes the wrenches W[1] to W[n] that the joints transmit for multipliers λ of the loop equations, in
   /// inertial axes, each about the origin of the first body on the path from the ground to the body. The
@@ -167,10 +171,10 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
   /// Computes derivatives at the motion (q, v, a) of the bodies that was computed last, and adds them to
-  /// three matrices, which are stored row by row ((D6.10), (D6.11)). With the loop equations A v = 0 and (A
-  /// v)' = A a + γ, by_q and by_v (m × nv each) are the derivatives of (A v)' by q and by v.
-  /// constraint_forces_by_q (nv × nv) is the derivative of the constraint forces Aᵀ λ by q. A must have been
-  /// computed.
+  /// three matrices, which are stored row by row ((D6.10), (D6.11)). With the loop equations A v = 0 and
+  /// (A v)' = A a + γ, by_q and by_v (m × nv each) are the derivatives of (A v)' by q and by v.
+  /// constraint_forces_by_q (nv × nv) is the derivative by q of the constraint forces Aᵀ λ for constant
+  /// multipliers λ, which the caller gives. A must have been computed.
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
   /// Computes the rate of Rᵀ λ (nv) for constant λ as the bodies move with the velocities of the last move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
@@ -195,10 +199,11 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// A is the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
   /// A number that says how near the loop equations A v = 0 were to being dependent when their multipliers
-  /// were computed last. It is 1 if, in the factorisation of A M⁻¹ Aᵀ with the mass matrix M, each pivot was
-  /// larger than 1e-3 d² (float: 1e-2 d²), where d is the size of the pivot's equation, see scale().
-  /// Otherwise the number is the least ratio of a pivot to d². If it is near 0, the configuration is nearly
-  /// singular, and the accelerations are those of a mechanism with more degrees of freedom.
+  /// were computed last. Equations that the RowRank of that call marks as redundant do not count. The number
+  /// is 1 if, in the factorisation of A M⁻¹ Aᵀ with the mass matrix M, each pivot was larger than 1e-3 d²
+  /// (float: 1e-2 d²), where d is the size of the pivot's equation, see scale(). Otherwise the number is the
+  /// least ratio of a pivot to d². If it is near 0, the configuration is nearly singular, and the
+  /// accelerations are those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -267,8 +272,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void update_loops() noexcept;      ///< updates joint screws and loop ends
   void update_loop_ends() noexcept;  ///< updates only the frames of the loop joints
   void make_entries() noexcept;
-  /// Factorises the mass matrix of the spanning tree and the loop equations of one level (position or
-  /// velocity). The kinematics must have been updated to q.
+  /// Factorises the mass matrix LᵀD L of the spanning tree, and computes Y = D^-½ L⁻ᵀ Aᵀ and Yᵀ Y for the
+  /// Jacobian A of the loop equations: of all equations for velocities or, at the position level, of the
+  /// position residuals. Also sets the filter, see set_filter(). The kinematics must have been updated to q.
   Solvability prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept;
   /// Computes w = D^-½ L⁻ᵀ x for x (nv), and stores it in w_.
   void pull(const T* x) noexcept;
