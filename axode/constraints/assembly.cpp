@@ -92,9 +92,10 @@ class Assembly {
     S.diagonal().array() += small;
     return -R.transpose() * LdltFactor(S).solve(r);
   }
-  /// The damped Gauss-Newton step towards closed loops: a solution of r + R x = 0 for the residual r and its
-  /// Jacobian R, without units. It is shortened until no entry is above 0.5, which means half a radian or
-  /// half the length by which all lengths are divided.
+  /// The damped Gauss-Newton step x towards closed loops, for the residual r and its Jacobian R, without
+  /// units: x minimises |r + R x|² + μ |x|² with μ = damping |r| + 1e-12 |R|². If an entry is above 0.5,
+  /// which means half a radian or half the length by which all lengths are divided, the whole step is
+  /// shortened until the largest entry is 0.5.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();

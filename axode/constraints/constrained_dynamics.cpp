@@ -55,9 +55,10 @@ Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> 
   return need;
 }
 
-/// Computes the least drive forces that, together with the constraint forces of the loops, act on the motion
-/// like given joint forces of the spanning tree (D7.10). The kinematics of the LoopSystem must have been
-/// updated.
+/// Computes drive forces that, together with the constraint forces of the loops, have the same effect on the
+/// motion as given joint forces of the spanning tree, or nearly so (least squares) if no drive forces have.
+/// If there are several solutions, the one with the least sum of squares (of numbers in N m and N) is taken
+/// (D7.10). The kinematics of the LoopSystem must have been updated.
 template <class T> struct DriveForces {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;

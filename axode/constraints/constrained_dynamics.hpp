@@ -28,15 +28,17 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
 
 /// Computes drive forces τ (nv) that produce the accelerations a of a mechanism with loops. `drives` are the
 /// indices of the velocities with drives; if it is empty, all joints that are not passive have drives. If
-/// there are more drives than the mechanism needs, τ is the least one (D7.10). The multipliers λ of the loop
-/// equations are written unless `lambda` is empty. `forces` (nv, may be empty) are forces that act in
-/// addition, such as those of springs. Returns the norm of the forces that no drive can produce, divided by
-/// that of all required forces: 0 to rounding if the drives can produce a. Throws std::invalid_argument for
-/// wrong sizes and, in double precision, if a does not keep the loops closed.
+/// there are more drives than the mechanism needs, τ is the solution with the least sum of squares, of
+/// numbers in N m and N (D7.10). The multipliers λ of the loop equations are written unless `lambda` is
+/// empty. `forces` (nv, may be empty) are forces that act in addition, such as those of springs. Returns the
+/// norm of the forces that no drive can produce, divided by that of all required forces: 0 to rounding if the
+/// drives can produce a. Throws std::invalid_argument for wrong sizes and, in double precision, if a does not
+/// keep the loops closed.
 ///
 /// O(limbs), without allocating, for limbs of bounded size, where a limb is a part of the mechanism that is
-/// coupled to the rest only through one body, the platform ((D18.7) to (D18.9)). If some motion has no drive,
-/// if λ is wanted and not unique, or near singularities, it allocates and costs O(nv³).
+/// coupled to the rest only through one body, the platform ((D18.7) to (D18.9)). If the mechanism can move
+/// while all drives are locked, if λ is wanted and not unique, or near singularities, the function allocates
+/// and costs O(nv³).
 template <class T>
 [[nodiscard]] T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> a, std::type_identity_t<std::span<T>> tau,
@@ -50,9 +52,10 @@ template <class T>
 /// each of the loops().rows equations) must belong to one solution of the equations of motion. W[i - 1]
 /// belongs to joint i, in the representation Rep of the frame of body i, with this frame moved to the point
 /// `at` without turning it; spatial wrenches are about the inertial origin. The component of W along a joint
-/// is the drive force minus the forces of armature and losses. It is 0 in passive joints, except that joints
-/// in a coupling also transmit the force of the coupling. Springs are ignored. O(n + m) for m loop equations.
-/// Throws std::invalid_argument for wrong sizes.
+/// is the drive force, which is 0 in passive joints, minus the forces of armature and losses. Joints in a
+/// coupling also transmit the force of the coupling. The forces of springs are not computed: if springs act
+/// in the given motion, W contains their forces as if the joints transmitted them. O(n + m) for m loop
+/// equations. Throws std::invalid_argument for wrong sizes.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                     std::type_identity_t<Numbers<T>> lambda,
@@ -64,10 +67,11 @@ void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> 
 /// accelerations and drives. W has n_bodies entries. W[i - 1] belongs to joint i, in the representation Rep
 /// of the frame of body i with its origin moved to the point `at` of this body: the origin of the body frame
 /// or of the joint frame. Spatial wrenches are about the inertial origin. If loop equations are redundant,
-/// the multipliers of the loops, and with them the wrenches, are not unique; the least multipliers are taken.
-/// Returns the norm of the required joint forces that neither drives nor loops can produce, divided by the
-/// norm of all required joint forces. Throws std::invalid_argument for wrong sizes and, in double precision,
-/// if a does not keep the loops closed. Allocates; O(nv³).
+/// the multipliers of the loops, and with them the wrenches, are not unique; the multipliers with the least
+/// weighted sum of squares are taken (D7.11). Returns the norm of the required joint forces that neither
+/// drives nor loops can produce, divided by the norm of all required joint forces. Throws
+/// std::invalid_argument for wrong sizes and, in double precision, if a does not keep the loops closed.
+/// Allocates; O(nv³).
 template <RecursionRepresentation Rep = BodyFixed, class T>
 [[nodiscard]] T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                Numbers<T> a, std::type_identity_t<std::span<Wrench<Rep, T>>> W,

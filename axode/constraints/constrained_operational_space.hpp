@@ -21,16 +21,18 @@ Solvability impulse_response(const Model& model, LoopWorkspace<T>& workspace, Nu
                              std::type_identity_t<std::span<Twist<Rep, T>>> Y);
 
 /// Computes the matrix (36 entries) that maps an impulse at a place (a frame or a point on a body) of a
-/// mechanism with loops to the change of the place's twist. It is symmetric and positive semi-definite.
-/// Allocates.
+/// mechanism with loops to the change of the place's twist. Impulse and twist are in the representation Rep,
+/// which determines their axes and their point of reference. The matrix is symmetric and positive
+/// semi-definite. Allocates.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability inverse_operational_space_inertia(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                               const std::type_identity_t<Place<T>>& place,
                                               std::type_identity_t<std::span<T>> Lambda_inverse);
 
 /// Computes the apparent inertia (36 entries) at a place (a frame or a point on a body) of a mechanism with
-/// loops, the inverse of inverse_operational_space_inertia(). It is NaN unless the place can move in all six
-/// directions; the returned Solvability has the number of `directions` in which it can move. Allocates.
+/// loops, in the representation Rep: the inverse of inverse_operational_space_inertia(). It is NaN unless the
+/// place can move in all six directions; the returned Solvability has the number of `directions` in which it
+/// can move. Allocates.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability operational_space_inertia(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                       const std::type_identity_t<Place<T>>& place,

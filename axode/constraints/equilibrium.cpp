@@ -78,8 +78,9 @@ class Statics {
   }
 
  private:
-  /// Projects the unbalanced forces and their derivative by q onto the velocities that the loops allow, after
-  /// subtracting those constraint forces of the loops that reduce the unbalanced forces most (least squares).
+  /// Projects the unbalanced forces r and their derivative by q onto the velocities that the loops allow. The
+  /// derivative is that of r - Aᵀ λ, where A is the Jacobian of the loop equations. The multipliers λ are
+  /// constant and make this difference least (least squares).
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
@@ -104,8 +105,9 @@ class Statics {
   RowMajor by_v_, by_a_;
 };
 
-/// The Newton step -(∂r/∂q)⁺ r for the unbalanced forces r, at most 1 rad or m along each velocity.
-/// Directions along which r changes only by rounding errors are left out.
+/// The Newton step -(∂r/∂q)⁺ r for the unbalanced forces r. If its largest entry is above 1 rad or m, the
+/// whole step is scaled so that this entry is 1. Directions along which r changes only by rounding errors are
+/// left out.
 Vector newton_step(const Iterate& at) {
   Vector step = -least_squares(at.dr_dq, at.r, 1e-10);
   if (at.N.rows() > 0) step = Vector(at.N * step);

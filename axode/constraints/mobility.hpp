@@ -38,9 +38,11 @@ struct LoopMobility {
   Eigen::MatrixXd kernel;  ///< nv × degrees_of_freedom: an orthonormal basis of the velocities with A v = 0
 };
 
-/// Computes the rank of the loop equations, the degrees of freedom, redundant equations and mobility at a
-/// closed configuration q. If loops are open at q, redundancy by geometry may be missed. Allocates; O(nv³).
-/// Throws std::invalid_argument for a wrong size of q and for quaternions that are not of unit norm.
+/// Computes the rank of the loop equations A v = 0 at a closed configuration q, the degrees of freedom (nv
+/// minus the rank), the redundant equations, and the mobility: whether the velocities with A v = 0 belong to
+/// finite motions. If loops are open at q, equations that are redundant only while the loops are closed may
+/// count as independent. Allocates; O(nv³). Throws std::invalid_argument for a wrong size of q and for
+/// quaternions that are not of unit norm.
 [[nodiscard]] LoopMobility loop_mobility(const Model& model, std::span<const double> q);
 
 }  // namespace axode

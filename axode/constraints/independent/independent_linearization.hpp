@@ -25,11 +25,12 @@ struct IndependentLinearization {
 /// that keep the loops closed. x has the displacements along the independent velocities and the deviations of
 /// these velocities, and δτ (nv) has the deviations of the joint forces. `velocities` are the indices of the
 /// independent velocities, as many as there are degrees of freedom; if it is empty, the velocities that
-/// determine all others best are chosen. Springs, dampers, mechanical stops, loads and losses act. At an
-/// equilibrium with v = 0 the eigenvalues of A describe the small oscillations. Allocates; O((nv + m)³) for m
-/// loop equations. Throws std::invalid_argument for wrong sizes, for prescribed motions, for a state that
-/// leaves a loop open, for drives with states, for a wrong number of independent velocities, and if they do
-/// not determine the other velocities at q.
+/// determine all others best are chosen. Springs, dampers, mechanical stops and loads act, and also the
+/// damping and friction of joints if loads.joint_losses is set. At an equilibrium with v = 0 the eigenvalues
+/// of A describe the small oscillations. Allocates; O((nv + m)³) for m loop equations. Throws
+/// std::invalid_argument for wrong sizes, for prescribed motions, for a state that leaves a loop open, for
+/// drives with states, for a wrong number of independent velocities, and if they do not determine the other
+/// velocities at q.
 [[nodiscard]] IndependentLinearization independent_linearization(
     const Model& model, std::span<const double> q, std::span<const double> v, std::span<const double> tau,
     std::span<const int> velocities = {}, const Loads<double>& loads = {});
