@@ -52,9 +52,12 @@ struct Sweep {
   std::vector<double> t;  ///< times of the states, or their indices from 0
   bool timed = false;     ///< whether the file has times
 };
-/// Reads a sequence of states from a CSV file with a row for each state. The columns are t, q NAME, v NAME, a
-/// NAME, jerk NAME, snap NAME and tau NAME, as `axode simulate --output run.csv` writes most of them; any may
-/// be missing. Throws InputError if the file does not fit the model.
+/// Reads a sequence of states from a CSV file with a row for each state. The column `t` has the times. Every
+/// other column has one number of each state and a name such as `q elbow` or `tau hip[0]`. The first word is
+/// q (coordinate), v (velocity), a, jerk, snap (the first three time derivatives of v) or tau (drive force).
+/// The rest is the name of a coordinate or velocity, which is the name of its joint, with an index if the
+/// joint has several. Any column may be missing, and a column `energy` is ignored. Throws InputError if the
+/// file does not fit the model.
 Sweep read_sweep(const Model& model, const std::string& file);
 
 }  // namespace axode::command

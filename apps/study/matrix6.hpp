@@ -3,8 +3,9 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Vectors of six numbers and 6 x 6 matrices, with those products that the algorithms of the study need. If a
-/// result is symmetric, each pair of equal entries is computed once.
+/// Vectors of six numbers and 6 x 6 matrices, with the products that the divide-and-conquer algorithm for
+/// forward dynamics in tree_contraction.hpp needs. If a result is symmetric, each pair of equal entries is
+/// computed once.
 namespace axode::command {
 
 template <class T> using Six = std::array<T, 6>;

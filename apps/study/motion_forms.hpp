@@ -1,8 +1,10 @@
 #pragma once
 #include "axode/recursion/forward_kinematics.hpp"
 
-/// Accelerations and jerks of all bodies by the forms of their recursions that A. Müller's paper (see
-/// docs/notation.md) gives side by side.
+/// Accelerations of all bodies in body-fixed and in hybrid twists, each by three equivalent recursions of A.
+/// Müller's paper (see docs/notation.md). The three recursions differ only in the terms that depend on the
+/// velocities. There are also recursions for the jerks of all bodies in body-fixed, spatial, hybrid and mixed
+/// twists.
 namespace axode::command {
 
 /// The terms of V'_i = down V'_p + S a + bias in which the forms differ. U is down V_p.
