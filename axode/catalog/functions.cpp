@@ -40,9 +40,9 @@ void jacobian_rate(const Model& m, Workspace<T>& w, Given q, Given v, const Plac
                    std::span<Twist<In, T>> dJ) {
   jacobian_derivative_along<In>(m, w, q, place, 1, v, dJ);
 }
-/// Throws std::invalid_argument if `left`, the part of the required forces that no drive can produce, is not
-/// small. In single precision nothing is checked, because `left` cannot be distinguished from rounding
-/// errors.
+/// Throws std::invalid_argument if `left` is above 1e-8. `left` is the part of the required forces that no
+/// drive can produce, as a ratio of norms. In single precision nothing is checked, because `left` cannot be
+/// distinguished from rounding errors.
 void check(T left) {
   if constexpr (std::same_as<T, double>) check_driven(left, "make these accelerations");
 }
@@ -68,8 +68,9 @@ Solvability momentum_form(const Model& m, Workspace<T>& w, Given q, Given p, Giv
   return momentum_form(m, w, q, p, tau, rates[0], rates[1], loads);
 }
 
-/// The memory of n results of equal size. It converts to the type of the parameter by which a function takes
-/// them: a span of entries such as twists, or a struct of n spans.
+/// The memory of n results of equal size. It converts to the type of the parameter through which a function
+/// returns its results. For n = 1 this is a span of entries such as numbers or twists, and for n > 1 a struct
+/// or array of n spans.
 template <std::size_t n> struct Results {
   std::array<Out, n> each;
 
@@ -97,8 +98,9 @@ template <Input input> const auto& argument(const Arguments<T>& given) {
 }
 
 /// Calls F, the library's function of the row `id` of the catalogue. The arguments of F are the model, the
-/// workspace, the inputs in the order of the row, and the results. The results are last or stand before the
-/// loads. A single result such as a pose is the return value of F instead.
+/// workspace, the inputs in the order of the row, and the results. The loads (external wrenches) are one of
+/// the inputs of some functions. The results then come before the loads if F has its parameters in this
+/// order; otherwise they come last. A single result such as a pose is the return value of F instead.
 template <Id id, class F, class W>
 Solvability call(const Model& m, W& w, const Arguments<T>& given, Out out) {
   constexpr const Words& words = id.words();
