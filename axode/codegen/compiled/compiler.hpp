@@ -20,9 +20,10 @@ struct Finished {
   int code;            ///< exit code, or 128 + n if signal n ended the program
   std::string output;  ///< the first kilobytes of standard output and standard error
 };
-/// Runs a program to its end. Its temporary files are written to `folder` or, if this is empty, to the usual
-/// folder. The monitor, a function of the caller, is called repeatedly; if it returns false, the program and
-/// all processes that it has started are killed, and the result is empty.
+/// Runs a program to its end and returns its exit code and the beginning of its output. The program writes
+/// temporary files to `folder` or, if this is empty, to the default folder for temporary files. The monitor,
+/// a function of the caller, is called repeatedly; if it returns false, the program and all processes that it
+/// has started are killed, and the result is std::nullopt.
 std::optional<Finished> run_program(const std::vector<std::string>& command,
                                     const std::filesystem::path& folder, const batch::Monitor& monitor = {});
 

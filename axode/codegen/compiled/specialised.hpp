@@ -29,7 +29,8 @@ class CompilationEnded : public std::runtime_error {
 /// object.
 ///
 ///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
-///     batch::Outcome outcome = batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, 4);
+///     batch::Outcome outcome =
+///         batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, threads);
 ///
 /// The library needs a compiler at run time for this class only.
 template <class T = double> class Specialised {
