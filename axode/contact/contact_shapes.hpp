@@ -42,8 +42,9 @@ struct MeshHull {
   Vec3<> origin;
 };
 /// Callback that returns the convex hull of the mesh of a shape, or throws std::invalid_argument if the mesh
-/// has none. Its arguments are the shape and the file in which the shape is described. See hull_of_mesh() in
-/// axode/view.hpp.
+/// has none. Its arguments are the shape, which has the path of the mesh, and the file of the model (drawing,
+/// URDF, ...) that refers to the mesh. A relative path starts from the folder of this file. See
+/// hull_of_mesh() in axode/view.hpp.
 using MeshHulls = std::function<MeshHull(const ShapeDescription&, const Source&)>;
 
 /// The collision shapes of a model: those of the ground first, then those of the bodies in the order of the
