@@ -48,8 +48,10 @@ template <class T> struct CoriolisInertia {
     const Vec3<T> w = T(2) * X.w;
     return {D * w, cross(w, p)};
   }
-  /// The moment 2 (Dᵀ w + p × v) of the wrench Bᵀ X, for the matrix B = 2 [[D, 0], [-p~, 0]] and a twist X =
-  /// (w; v). The force of this wrench is 0.
+  /// The moment 2 (Dᵀ w + p × v) of the wrench Bᵀ X for a twist X = (w; v); the force of this wrench is 0. B
+  /// is the Coriolis inertia 2 [[D, 0], [-p~, 0]] of mass elements dm with the position r and the velocity
+  /// r':
+  ///   p = ∫ r' dm,   E = ∫ r' rᵀ dm,   D = tr(E) 1 - E.
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }

@@ -35,8 +35,10 @@ template <class T> struct FirstOrder {
         NtS(arena, 6, arena.topology().n_screws),
         own(arena.per_velocity<T>()) {}
 
-  /// Computes, for each joint screw, the screws and wrenches from whose products the derivatives of τ
-  /// follow (ScrewEffects), at a state (q, v) with the accelerations a.
+  /// Computes the ScrewEffects of each joint screw S at a state (q, v) with the accelerations a. They are
+  /// screws (S and its rates as a screw that is fixed to the predecessor) and wrenches (the changes of the
+  /// wrench on the subtree for a motion along S). The entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a are powers of such
+  /// wrenches on such screws.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, cast<T>(tree.g));
@@ -49,9 +51,10 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// Computes, for each joint screw, the screws and wrenches from whose products the derivatives of τ
-  /// follow (ScrewEffects), from the motion of the bodies in `screws`. `loaded` says whether there are
-  /// loads.
+  /// Computes the ScrewEffects of each joint screw S from the motions and inertias of the bodies in `screws`.
+  /// ScrewEffects are screws (S and its rates as a screw that is fixed to the predecessor) and wrenches (the
+  /// changes of the wrench on the subtree for a motion along S). The entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a are
+  /// powers of such wrenches on such screws. `loaded` says whether there are loads (external wrenches).
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -206,16 +209,22 @@ template <class T> struct FirstOrder {
   struct Entries {
     Number q, v, a;
   };
-  /// Computes entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a in adjacent columns c, one in each SIMD lane, for a tree
-  /// without couplings (D1.17). A bar means the power of a wrench on a screw, and ω(X) is the angular part of
-  /// a screw X. If the joint of row r is before that of column c on a path from the ground, above() returns
-  /// S_r|P_c, S_r|R_c and S_r|U_c. S_r is the joint screw of the row. P_c, R_c and U_c are the changes of the
-  /// wrench on the subtree of column c for a unit of displacement, velocity and acceleration along c. If the
-  /// joint of row r is that of column c or in its subtree, below() returns U_r|ψ''_c + t_r·ω(ψ'_c), U_r|σ_c +
-  /// t_r·ω(S_c) and U_r|S_c. These are the forces of joint r when the velocities and accelerations of the
-  /// bodies of its subtree change: by ψ'_c and ψ''_c for a unit of displacement along c, by S_c and σ_c for a
-  /// unit of velocity, and by 0 and S_c for a unit of acceleration. If there are loads, the first force also
-  /// contains (Nᵀ S)_r|S_c with the load stiffness N.
+  /// Computes entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a in one row r and in adjacent columns c, one column in each
+  /// SIMD lane, for a tree without couplings (D1.17). S_r and S_c are the joint screws of the row and the
+  /// column. A bar means the power of a wrench on a screw, and ω(X) is the angular part of a screw X.
+  ///
+  /// If the joint of row r is before that of column c on a path from the ground, above() returns S_r|P_c,
+  /// S_r|R_c and S_r|U_c. P_c, R_c and U_c are the changes of the wrench that the joint of column c
+  /// transmits, for a unit of displacement, velocity and acceleration along S_c.
+  ///
+  /// If the joint of row r is that of column c or in its subtree, below() returns U_r|ψ''_c + t_r·ω(ψ'_c),
+  /// U_r|σ_c + t_r·ω(S_c) and U_r|S_c. The wrench U_r is M S_r, and t_r is the moment of the wrench Bᵀ S_r,
+  /// whose force is 0. M and B are the inertia and the Coriolis inertia of the subtree of joint r. If the
+  /// base of this subtree gains the velocity X and the acceleration Y, the wrench on the subtree changes by M
+  /// Y + B X, and hence the force of joint r by U_r|Y + t_r·ω(X). X and Y are ψ'_c and ψ''_c for a unit of
+  /// displacement along S_c (as seen in a frame that is displaced with the subtree of column c), S_c and σ_c
+  /// for a unit of velocity, and 0 and S_c for a unit of acceleration. If there are loads, the first number
+  /// also contains (Nᵀ S_r)|S_c, where N is the load stiffness of the subtree of joint r.
   struct Columns {
     Arrays<T> effect, NtS;  // copies, so that the compiler knows that no result overwrites them
     Number screws[psi_2 + 12], psi_1_of[3], wrenches[18];

@@ -4,9 +4,10 @@
 
 namespace axode {
 
-/// Computes the drive forces τ of a motion as power series in time, to any order k in O(n k²) ((D3.9) to
-/// (D3.11) of docs/derivations). All quantities are in spatial representation about the origins of the roots
-/// at t = 0, where the wrench that a body needs is the rate of its momentum.
+/// Computes the drive forces τ of a motion as power series in time, to any order k in O(n k²) for n bodies
+/// ((D3.9) to (D3.11) of docs/derivations). All quantities of a body are in inertial axes about a fixed
+/// point, where the root body of its branch (the body that is joined to the ground) has its origin at t = 0.
+/// About a fixed point, the total wrench on a body is the time derivative of its momentum.
 template <class T> class ForceSeries {
  public:
   /// `order` is the order of the series of τ.

@@ -2,12 +2,14 @@
 #include "axode/lie/mat3.hpp"
 #include "axode/lie/twist.hpp"
 
-/// Derivatives of loads. The components of a load (a wrench) are constant in its representation, which
-/// determines whether it turns with the body on which it acts.
+/// Changes of loads (external wrenches) when the bodies on which they act are displaced. The components of a
+/// load are constant in its representation (body-fixed, spatial, hybrid or mixed), which the user chooses for
+/// each load. The representation determines whether the load turns with the body on which it acts.
 namespace axode {
 
-/// The change L(X) W of a load W, which is constant in a representation, when its body is displaced along X.
-/// W and X are resolved in the frame on which the load acts. See (D1.14) of docs/derivations.
+/// The change L(X) W of a load W (an external wrench) when its body is displaced along a screw X. The
+/// components of the load are constant in `representation`: body-fixed, spatial, hybrid or mixed. W, X and
+/// the result are resolved in the frame on which the load acts. See (D1.14) of docs/derivations.
 template <class T>
 constexpr Wrench<BodyFixed, T> load_change(Representation representation, const Wrench<BodyFixed, T>& W,
                                            const Twist<BodyFixed, T>& X) {
@@ -19,8 +21,9 @@ constexpr Wrench<BodyFixed, T> load_change(Representation representation, const 
   }
   return {};
 }
-/// The transposed map of load_change(): the gradient by X of the power L(X) W | Y, where L(X) W is the change
-/// of a load W for a displacement X of its body, and Y is a twist.
+/// The transposed map of load_change(): the gradient by X of the power L(X) W | Y for a twist Y. L(X) W is
+/// the change of a load W when its body is displaced along X and the components of the load are constant in
+/// `representation`.
 template <class T>
 constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representation,
                                                       const Wrench<BodyFixed, T>& W,
@@ -34,11 +37,12 @@ constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representat
   return {};
 }
 
-/// The stiffness matrix N of loads (wrenches) that are constant in their representations: if a subtree is
-/// displaced along X, the wrench that balances its loads changes by N X, as seen in a frame that is
-/// displaced with the subtree ((D1.15) of docs/derivations). N = [[A, -b~], [-f~, 0]] has a 3 × 3 matrix A
-/// and two vectors: f is the sum of the forces of all loads that are not body-fixed, and b the sum of the
-/// forces of spatial loads. The 15 numbers can be summed over loads.
+/// The stiffness matrix N of loads (external wrenches), whose components are constant in their
+/// representations (body-fixed, spatial, hybrid or mixed). If a subtree is displaced along X, the wrench that
+/// balances its loads changes by N X, as seen in a frame that is displaced with the subtree ((D1.15) of
+/// docs/derivations). N = [[A, -b~], [-f~, 0]] has a 3 × 3 matrix A and two vectors: f is the sum of the
+/// forces of all loads that are not body-fixed, and b the sum of the forces of spatial loads. The 15 numbers
+/// can be summed over loads.
 template <class T> struct LoadStiffness {
   Mat3<T> A;
   Vec3<T> b, f;

@@ -115,10 +115,13 @@ template <class T> struct MomentumFirstOrder {
       for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
   }
 
-  /// Computes, for all joint screws, the screws and wrenches from whose products the derivatives of the
-  /// momenta and of their rates follow (MomentumEffects). For this, `screws` evaluates a motion at rest
-  /// without gravity whose accelerations are v: its twist rates are the twists J v, with the Jacobians J
-  /// of the bodies, and its wrenches are the momenta M J v, with the inertias M of the bodies.
+  /// Computes, for each joint screw S, the screws and wrenches of MomentumEffects:
+  ///   ψ = [V_p, S],   η = [V, S],   U = M S,   D = M ψ - ad_Sᵀ Π,   A = M η - ad_Sᵀ Π.
+  /// V_p and V are the twists of the predecessor and of the body that the joint moves, and M and Π are the
+  /// inertia and the momentum of its subtree. The derivatives of the generalised momenta by q, and of their
+  /// rates by q and v, are sums of powers of these wrenches on these screws. `screws` computes the twists and
+  /// the momenta of the bodies as the twist rates and the wrenches of a motion at rest without gravity whose
+  /// accelerations are v.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});

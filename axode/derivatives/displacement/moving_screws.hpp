@@ -8,10 +8,12 @@
 
 namespace axode {
 
-/// The inertia M, the Coriolis inertia B and the wrench F of a body, or their sums over bodies. The change of
-/// F follows from them when the bodies are displaced (D1.11). They are in inertial axes about the present
-/// origin of the root body, which is the body of the branch that is joined to the ground. For a twist X = (w;
-/// v), B X is the wrench that gives mass elements with velocities r' the Coriolis acceleration 2 w × r'.
+/// The inertia M, the Coriolis inertia B and the wrench F of a body, or their sums over bodies. F is the
+/// wrench that the joints of a body must exert on it for its motion under gravity and applied wrenches. The
+/// change of F follows from M, B and F when the bodies are displaced (D1.11). For a twist X = (w; v), B X is
+/// the wrench that gives mass elements with velocities r' the Coriolis acceleration 2 w × r'. All are in
+/// inertial axes about the present origin of the root body, which is the body of the branch that is joined to
+/// the ground.
 template <class T> struct MovingInertia {
   Inertia<T> M;
   CoriolisInertia<T> B;
@@ -106,10 +108,12 @@ template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, 
 /// the body that the joint moves.
 template <class T> struct MovingColumn { Motion6<T> S, V_p, dV_p, V; };
 
-/// The joint screws of a moving tree, and the motions, inertias and wrenches from which derivatives along
-/// these screws follow, in inertial axes about the present origin of the root body of each branch. A
-/// column is one joint screw; columns of a subtree are adjacent. The screw of a coupled joint is for a
-/// unit velocity of its leader. Takes about 650 products and sums for a hinge.
+/// The joint screws of a moving tree, and what the derivatives of forces along these screws depend on: the
+/// poses, the twists and the rates of the twists of the bodies, and the inertia, the Coriolis inertia and the
+/// wrench (MovingInertia) of each body or, after compose(), of its subtree. All are in inertial axes about
+/// the present origin of the root body of the branch, which is the body that is joined to the ground. A
+/// column is one joint screw; columns of a subtree are adjacent. The screw of a coupled joint is for a unit
+/// velocity of its leader. Together with ScrewEffects this takes about 650 products and sums for a hinge.
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -119,12 +123,13 @@ template <class T> struct MovingScrews {
   struct SpatialMotion {
     Vector w, v, dw, dv;
   };
-  /// Offsets of the vectors in the row of a body: the columns of its rotation R, its position r, its twist
-  /// (w; v), and the rate of its twist with gravity included.
+  /// Offsets of the vectors in a row of `bodies`, the array with one row for each body: the columns of its
+  /// rotation R, its position r, its twist (w; v), and the rate of its twist with gravity included.
   struct OfBody {
     static constexpr int R_x = 0, R_y = 4, R_z = 8, r = 12, w = 16, v = 20, dw = 24, dv = 28;
   };
-  /// Offsets of the six-vectors of a MovingColumn in its row; their second vectors follow.
+  /// Offsets of the six-vectors of a MovingColumn in a row of `columns`, the array with one row for each
+  /// joint screw. The offset is that of the angular part; the linear part begins four numbers later.
   struct OfColumn {
     static constexpr int S = 0, V_p = 8, dV_p = 16, V = 24;
   };
@@ -191,8 +196,9 @@ template <class T> struct MovingScrews {
     moved.set3(moved.get3(i, MovingInertia<T>::force) - W.f, i, MovingInertia<T>::force);
   }
 
-  /// Replaces the MovingInertia of each body, which has its inertia, Coriolis inertia and wrench, by the sum
-  /// over the subtree of the body.
+  /// Replaces the inertia, the Coriolis inertia B and the wrench of each body by their sums over the subtree
+  /// of the body. All are in the same axes about the same point. For a twist X = (w; v), B X is the wrench
+  /// that gives mass elements with velocities r' the Coriolis acceleration 2 w × r'.
   void compose(const Topology& topology) noexcept { moved.sum_subtrees(topology); }
   /// The wrench that the joint of body i transmits to the body, after compose().
   Wrench<Spatial, T> transmitted(int i) const {
@@ -216,15 +222,16 @@ template <class T> struct MovingScrews {
     return {bodies.vector(x, OfBody::dw), bodies.vector(x, OfBody::dv)};
   }
   /// The inertia M, the Coriolis inertia B and the wrench F of the bodies i, i + 1, ..., one body in each
-  /// SIMD lane. For a twist X = (w; v), B X is the wrench that gives mass elements with velocities r' the
-  /// Coriolis acceleration 2 w × r'. F is the wrench that the body needs for its motion, minus the applied
-  /// wrenches. The function must be called before compose(), which replaces these quantities by sums over
-  /// subtrees.
+  /// SIMD lane. F is the wrench that the body needs for its motion under gravity, minus the applied wrenches.
+  /// For a twist X = (w; v), B X is the wrench that gives mass elements with velocities r' the Coriolis
+  /// acceleration 2 w × r'. The function must be called before compose(), which replaces these quantities by
+  /// sums over subtrees.
   MovingInertia<Number> bodies_from(int i) const {
     return in_lanes([i](int l) { return i + l; });
   }
-  /// The inertia, the Coriolis inertia B and the wrench of the subtrees that the joint screws c, c + 1, ...
-  /// move, one subtree in each SIMD lane. For a twist X = (w; v), B X is the wrench that gives mass
+  /// The inertia M, the Coriolis inertia B and the wrench F of the subtrees that the joint screws c, c + 1,
+  /// ... move, one subtree in each SIMD lane. F is the wrench that the joint transmits to the subtree for its
+  /// motion under gravity and applied wrenches. For a twist X = (w; v), B X is the wrench that gives mass
   /// elements with velocities r' the Coriolis acceleration 2 w × r'. compose() must have summed the three
   /// quantities over the subtrees before. Lanes beyond the last of all `n_columns` joint screws repeat the
   /// last one.
@@ -242,10 +249,11 @@ template <class T> struct MovingScrews {
   Motion6<T> screw(int c) const { return six(c, OfColumn::S); }
 
  private:
-  /// Adds a joint screw S = (e; s) to a motion. p is the motion of the predecessor, with the twist V_p,
-  /// and `before` is this motion together with the earlier screws of the same joint. With the velocity dq
-  /// and the acceleration ddq of S, returns V = V_before + S dq and V' = V'_before + S ddq + [V_p, S] dq.
-  /// Stores S and p in column c.
+  /// Adds the motion along one joint screw S = (e; s), with the velocity dq and the acceleration ddq, to the
+  /// motion `before`, which has the twist V_b and its rate V'_b. Returns the twist V = V_b + S dq and its
+  /// rate V' = V'_b + S ddq + [V_p, S] dq. The motion p is that of the predecessor, with the twist V_p. For
+  /// the first screw of a joint `before` is p; for a later one it also contains the earlier screws of the
+  /// joint. Stores S, V_p and the rate of V_p in row c of `columns`, the row of this joint screw.
   [[gnu::always_inline]] SpatialMotion moved_by(int c, const Vector& e, const Vector& s,
                                                 const SpatialMotion& p, const SpatialMotion& before,
                                                 const T& dq, const T& ddq) const noexcept {

@@ -90,8 +90,10 @@ template <class T> struct EnergyGradient {
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
-/// The screws of all joints between the ground and a place (a frame or a point on a body), in the axes of the
-/// place, beginning with the joint of the body that carries it.
+/// The columns of the body-fixed Jacobian of a place (a frame of the model, or a point or pose in such a
+/// frame): the screws of all joints between the ground and the place, beginning with the joint of the body
+/// that carries the place. They are about the origin of the place and in its axes. The axes of a point are
+/// those of the frame in which it is given.
 template <class T> struct CarryingScrews {
   struct Column {
     int j, c;  ///< indices of body and velocity
@@ -108,9 +110,9 @@ template <class T> struct CarryingScrews {
   }
 };
 
-/// The joint screws that move the two ends of a spring, or of a segment of a spring over several points,
-/// relative to each other, and the derivatives of the spring's coordinate and of its rate by the positions
-/// of these joints.
+/// The joint screws that move the two ends of a spring relative to each other, or those of a straight segment
+/// of a spring over several points. by_q and rate_by_q are the derivatives, by the joint coordinates q, of
+/// the spring's coordinate (its length, for example) and of the time derivative of this coordinate.
 template <class T> struct SpringColumns {
   struct Column {
     int end, body, c;  ///< index of the end, of the body and of the velocity
@@ -136,7 +138,8 @@ template <class T> struct SpringColumns {
     count = n_velocities = 0;
     std::fill_n(listed_, nv_, char(0));
   }
-  /// Adds x to the derivative of the spring coordinate, and dx to that of its rate, by joint position c.
+  /// Adds x to the derivative of the spring coordinate, and dx to that of its rate, by the joint coordinate
+  /// of velocity c.
   void add(int c, const T& x, const T& dx) noexcept {
     if (!listed_[c]) {
       listed_[c] = 1;
