@@ -92,8 +92,9 @@ template <class T> struct SecondOrderRecursion<Spatial, T> {
 };
 
 /// The recursion for τ, τ' and τ'' in mixed twists and wrenches ((D3.17) to (D3.19) of docs/derivations).
-/// The components of angular velocities and couples are in body axes, which turn, and those of velocities
-/// and forces in inertial axes. The recursion has the time derivatives of these components.
+/// Angular velocities and couples have components in body axes, which turn; linear velocities and forces have
+/// components in inertial axes. The recursion has the time derivatives of these components. In body axes they
+/// are not the components of the derivative of the vector.
 template <class T> struct SecondOrderRecursion<Mixed, T> {
   using V6 = Twist<Mixed, T>;
   using W6 = Wrench<Mixed, T>;

@@ -80,8 +80,9 @@ template <class T> struct ScrewCurvature {
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
 /// Computes the second partial derivatives of λ·τ, the sum of the forces τ of inverse dynamics with constant
-/// weights λ, in O(n d) on paths of d velocities: about 400 products and sums for a hinge, and 114 for each
-/// pair of a joint and a joint before it on its path.
+/// weights λ, by the pairs of variables (q, q), (q, v), (v, v) and (a, q); those by (v, a) and (a, a) are 0.
+/// It takes O(n d) on paths of d velocities: about 400 products and sums for a hinge, and 114 for each pair
+/// of a joint and a joint before it on its path.
 template <class T> struct SecondOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -242,12 +243,14 @@ template <class T> struct SecondOrder {
   T own_bracket(int l, int k) const {
     return Wrench<Spatial, T>{curvature.get3(AS, k), curvature.get3(AS + 3, k)} | first.screws.screw(l);
   }
-  /// Computes the six second derivatives (D2.8) of λ·τ, the forces τ of inverse dynamics with constant
+  /// Computes six second derivatives (D2.8) of λ·τ, the sum of the forces τ of inverse dynamics with constant
   /// weights λ, along the directions of joint screw l and of each joint screw c from `begin` to `end` - 1.
   /// They are those by q twice, by q and v in both orders, by v twice, and by a and q in both orders. Each of
   /// them is a sum of powers W | X of wrenches W of screw c on screws X of screw l, which are members of
   /// ScrewEffects and ScrewCurvature. Writes them to entry c of the six arrays of `line`. If both screws
-  /// belong to one joint, own_bracket() must be subtracted from the derivative by v twice.
+  /// belong to one joint, the derivative by v twice contains a term too much, because the velocity along
+  /// screw l does not change the twist of the predecessor. The caller must subtract this term, which
+  /// own_bracket() computes.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

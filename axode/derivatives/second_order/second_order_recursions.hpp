@@ -8,9 +8,11 @@
 /// forces. O(n).
 namespace axode {
 
-/// A load W and its first two time derivatives in the frame on which it acts, whose twist is V: W' is the
-/// change of the load, which is constant in its representation, if the frame is displaced along V. See (D3.4)
-/// of docs/derivations.
+/// A load W (an external wrench) and the first two time derivatives of its components, all as wrenches on the
+/// body in body axes. In its representation (body-fixed, spatial, hybrid or mixed) the components of the load
+/// are constant. In the frame on which it acts, whose twist is V, they change at the rate L(V) W, see
+/// load_change(). L(V) W is the change of W if the frame is displaced along V. See (D3.4) of
+/// docs/derivations.
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 

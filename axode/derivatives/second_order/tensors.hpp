@@ -3,8 +3,10 @@
 
 namespace axode {
 
-/// Receives the second partial derivatives of nv results, nv × nv × nv numbers each, [component][outer
-/// derivative][inner derivative].
+/// Receives the second partial derivatives of the nv forces τ of inverse dynamics, by the pairs of variables
+/// (q, q), (q, v), (v, v) and (a, q). Each member has nv × nv × nv numbers, [component of τ][outer
+/// derivative][inner derivative]. The outer derivative is by the first variable of the pair, and the inner
+/// one by the second.
 template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 
 /// Computes the second partial derivatives of all components of the forces τ of inverse dynamics by the pairs
@@ -151,12 +153,15 @@ template <class T> struct SecondOrderTensors {
   }
   /// Computes the products (D2.11) of which the second derivatives of inverse dynamics consist, for three
   /// joint screws on one path to the ground: S_d, whose joint is the farthest from the ground, S_j, and each
-  /// screw S_c of the path in turn. A product is the power of a wrench on S_j or on the bracket ψ'_j =
-  /// [V_p, S_j] with the twist V_p of the predecessor. compute_wrenches() has stored the wrenches for S_d
-  /// and each S_c in `wrench`. They are sums of wrenches B X and ±ad_Xᵀ W. X is S_c or a screw of its
-  /// motion (ψ', ψ'' or σ), B is a Coriolis inertia, a matrix that maps a twist to the wrench of Coriolis
-  /// accelerations, and W a wrench; B and W belong to S_d and its subtree. Writes the products to entry c of
-  /// the arrays of `line`, see Products. The joint of screw j has the screws from begin_j to end_j - 1.
+  /// screw S_c of the path in turn. A product is the power of a wrench on S_j or on ψ'_j. compute_wrenches()
+  /// has stored the wrenches for S_d and each S_c in `wrench`. They are sums of wrenches B X and ±ad_Xᵀ W. B
+  /// is a Coriolis inertia, a matrix that maps a twist to the wrench of Coriolis accelerations, and W a
+  /// wrench; B and W belong to S_d and its subtree. X is S_c or one of its rates ψ'_c, ψ''_c and σ_c. For any
+  /// joint screw S,
+  ///   ψ' = [V_p, S],   ψ'' = [V'_p, S] + [V_p, ψ'],   σ = ψ' + [V, S],
+  /// with the twist V_p of the predecessor and the twist V of the body that the joint moves. Writes the
+  /// products to entry c of the arrays of `line`, see Products. The joint of screw j has the screws from
+  /// begin_j to end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -184,11 +189,13 @@ template <class T> struct SecondOrderTensors {
         store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
       }
   }
-  /// Adds the products (D2.11), powers of wrenches on screws that multiply() has written to `line`, to the
-  /// tensors of second derivatives. The products belong to three joint screws: d, j, and each screw of the
-  /// path from the ground to the joint of d, which also contains j. They contribute to the derivatives of the
-  /// force at the velocity of screw d and, if the joint of screw j is nearer to the ground than that of d, of
-  /// the force at the velocity of screw j.
+  /// Adds the products (D2.11), which are powers of wrenches on screws, to the second derivatives of the
+  /// forces τ by (q, q), (q, v), (v, v) and (a, q). multiply() has written the products of two joint screws d
+  /// and j with each joint screw l of the path from the ground to the joint of d, which also contains j, to
+  /// the arrays of `line`. They are parts of the derivatives of the force at the velocity of screw d along
+  /// the directions of screws j and l. If the joint of screw j is nearer to the ground than that of d, they
+  /// are also parts of the derivatives of the force at the velocity of screw j along the directions of screws
+  /// d and l.
   void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
            const SecondDerivatives<T>& out) noexcept {
     const std::ptrdiff_t v_j = velocity[j];
