@@ -12,8 +12,9 @@ struct Hinge {
   Vec3<> axis, point;
 };
 
-/// The hinges of a mechanism that has only hinges and sliders, and the directions of its sliders; empty for
-/// other mechanisms.
+/// The hinges of a mechanism, each with its two bodies, its axis and a point on it, and the directions of its
+/// sliders, at q = 0 in the inertial frame. hinges_and_sliders() returns them if all joints are hinges or
+/// sliders and all loop joints are hinges, and std::nullopt otherwise.
 struct Planar {
   std::vector<Hinge> hinges;
   std::vector<Vec3<>> slides;

@@ -26,7 +26,8 @@ const BodyDescription* find(const Described& described, const std::string& name)
 }
 
 /// Whether the origin of a body frame is one of the points between which the body is drawn. It is not if the
-/// body is described in the inertial frame at q = 0, because its origin may then be anywhere.
+/// axis and point of the body's joint are given in the inertial frame at q = 0, because the body frame may
+/// then be far from the body.
 bool has_origin(const BodyDescription& body) {
   return !std::holds_alternative<InConstructionFrame>(body.geometry);
 }

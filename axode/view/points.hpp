@@ -16,13 +16,15 @@ class Points {
 
   /// Point of the joint of body i; empty if the joint has no point.
   const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
-  /// Points between which a body is drawn, in its frame (m): all of them or, if there are more than 60, those
-  /// at the outside. No two are nearer to each other than a hundredth of size().
+  /// Points between which a body is drawn, in its frame (m): those of joints, frames, loop joints, springs
+  /// and drives on the body. If there are more than 60 of them, only those that are farthest out in one of 60
+  /// directions are taken. No two are nearer to each other than size() / 100, where size() is the length of
+  /// the longest body.
   const std::vector<Vec3<>>& distinct(int body) const { return distinct_[body]; }
   /// For each body that is fixed to the ground, by its name, the points between which it is drawn, in the
   /// inertial frame (m): the points of its joints, its centre of mass, the origins of bodies that are fixed
-  /// to it, and its own origin. The origin of a body that is described in the inertial frame is left out,
-  /// because it may be anywhere.
+  /// to it, and its own origin. If the axis and point of a body's joint are given in the inertial frame, the
+  /// origin of this body is left out: its body frame may then be far from the body.
   const std::map<std::string, std::vector<Vec3<>>>& fixed() const { return fixed_; }
   std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) const;
   /// The length (m) of a body. It is the diagonal of a box along the axes of the body frame around the points

@@ -343,8 +343,9 @@ ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t s
 constexpr std::size_t numbers_of_contact = 17;
 
 /// The points of contact at each time of a motion as JSON; null if they are unknown. A point is a list of 17
-/// numbers: indices of the two shapes, position, normal, gap, force, moment, coefficient of friction and
-/// status (0 open, 1 stick, 2 slide).
+/// numbers: the indices of the shapes a and b, the position (m), the unit normal from a to b, the gap (m),
+/// the force (N) and the moment (N m) on b at this point, the coefficient of friction, and the status (0
+/// open, 1 stick, 2 slide). The vectors are in the inertial frame.
 Json contacts_of(const ShownMotion& motion) {
   if (motion.contacts.empty()) return {};
   Json times = Json::array();

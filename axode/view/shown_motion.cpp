@@ -24,9 +24,10 @@ Row row(const std::vector<double>& rows, std::size_t k, int width) {
   return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
 }
 
-/// Appends the forces of one spring between frames to `loads`, as wrenches on these frames. If the spring
-/// acts along a path of points, appends the tension in each straight segment of the path to `tensions`. C has
-/// the poses and V the spatial twists of all frames.
+/// Appends the forces of one spring between frames to `loads`, as spatial wrenches on these frames (in
+/// inertial axes about the inertial origin). If the spring acts along a path of points, appends the tension
+/// in each straight segment of the path to `tensions`. C has the poses and V the spatial twists of all
+/// frames.
 struct AppendSpring {
   const Model& model;
   const ForceLaw& law;
@@ -72,9 +73,9 @@ struct AppendSpring {
   }
 };
 
-/// Appends the forces of all springs between frames to `loads`, as wrenches on these frames. For springs
-/// along paths of points, appends the tension in each straight segment of the paths to `tensions`. C has the
-/// poses and V the spatial twists of all frames.
+/// Appends the forces of all springs between frames to `loads`, as spatial wrenches on these frames (in
+/// inertial axes about the inertial origin). For springs along paths of points, appends the tension in each
+/// straight segment of the paths to `tensions`. C has the poses and V the spatial twists of all frames.
 void append_springs(const Model& model, Row q, Row v, const std::vector<SE3<>>& C,
                     const std::vector<Twist<Spatial>>& V, std::vector<AppliedWrench<>>& loads,
                     std::vector<double>& tensions) {

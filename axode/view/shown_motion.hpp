@@ -65,8 +65,9 @@ struct MotionNumbers {
   std::vector<double> tensions;
 };
 /// Computes the numbers that are shown with a motion: energies, the total momentum about the inertial origin,
-/// twists, wrenches, momenta, tensions, and the normal forces of contacts. The loads of the motion are taken
-/// into account.
+/// the twists and momenta of the bodies, the wrenches that joints and loop joints transmit, the sums of the
+/// loads on frames, the tensions in springs, and the normal forces of contacts. The loads of the motion are
+/// taken into account.
 MotionNumbers numbers_of(const Model& model, const ShownMotion& motion);
 
 }  // namespace view
