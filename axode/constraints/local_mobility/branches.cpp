@@ -83,11 +83,13 @@ Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::In
   return x;
 }
 
-/// The point of a branch, a smooth set of configurations through q, whose projection on the tangent space of
-/// the branch at q is that of the point x. It is computed from the power series of the branch or, if the
-/// dimension is above 1, to second order. If the branch is a curve with a cusp, two points can have this
-/// projection, at opposite values of the curve's parameter. The result is the one whose parameter has the
-/// sign of the projection or, if `other_side` is set, the opposite sign.
+/// Returns the point of a branch (a smooth set of configurations through q) that is compared with the point
+/// x. If the dimension is above 1, it is the point with the same projection on the tangent space at q as x,
+/// computed to second order. If the branch is a curve, the point is computed from the power series of the
+/// curve at the parameter |τ|^(1/power), with the sign of τ or, if `other_side` is set, with the opposite
+/// sign. Here τ is the displacement of x from q along the unit tangent. `power` is the power of the
+/// parameter with which the series begins: 1, or more at a cusp, where both signs can give points with the
+/// same displacement.
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {
@@ -137,9 +139,11 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
     }
 }
 
-/// Computes the limit, for h → 0, of a difference quotient on a branch, a smooth set of configurations with
-/// closed loops, by Romberg's method. difference(a, b, h) is called with two points a and b of the branch,
-/// whose coordinates in the tangent space are h c and -h c for a fixed vector c, for several h.
+/// Computes the limit, for h → 0, of a difference quotient on a branch (a smooth set of configurations with
+/// closed loops), by Romberg's method. difference(a, b, h) must return the quotient, already divided by the
+/// power of h, for two points a and b of the branch. The projections T a and T b of these points on the
+/// orthonormal rows of T are h c and -h c with a constant vector c. The function is called for four values
+/// of h, each of them half of the previous one. The error of the quotient must be a series in h².
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {

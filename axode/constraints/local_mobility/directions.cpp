@@ -158,8 +158,10 @@ std::optional<Eigen::VectorXd> search(const PolynomialRing& ring, const Eigen::M
   return e;
 }
 
-/// The dimension of the cone of common zeros of homogeneous polynomials F near the zero e: 1 plus the number
-/// of independent steps that lead from e to other zeros.
+/// The dimension of the cone of common zeros of homogeneous polynomials F near the zero e with |e| = 1. It
+/// is 1 plus the number of linearly independent displacements from e to other zeros on the unit sphere.
+/// These zeros are searched from starts at e ± 0.05 k, for each vector k of an orthonormal basis of the
+/// directions orthogonal to e in which the derivative of F at e is 0.
 int dimension_of_cone(const PolynomialRing& ring, const Eigen::MatrixXd& F, const Eigen::VectorXd& e) {
   constexpr double step = 0.05, shortest = 0.02, longest = 0.12;
   Eigen::MatrixXd G(F.rows() + 1, e.size());

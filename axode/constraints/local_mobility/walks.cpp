@@ -71,8 +71,9 @@ class Walker {
     return common_predecessor(tree_, loop.ends[0].body, loop.ends[1].body);
   }
 
-  /// Marks the velocities of the joints in a loop. Throws std::invalid_argument for rolling contacts and
-  /// belts.
+  /// Sets the entry in coordinate_ of each joint velocity in the loop to 0, which marks it as a coordinate
+  /// of the closure equations. Velocities that are in no loop have the entry -1. Throws
+  /// std::invalid_argument if the loop is a rolling contact or a belt.
   void mark(const Loop& loop) {
     const bool belt = traits(loop.kind).has("radii");
     if (loop.kind == LoopKind::rolling || belt)
@@ -84,7 +85,8 @@ class Walker {
         each_screw(tree_, i, at(i), [&](int c, const Screw<>&) { coordinate_[index(c)] = 0; });
   }
 
-  /// Makes a coordinate for every marked velocity, and collects all other velocities in `outside`.
+  /// Makes a coordinate for every joint velocity whose entry in coordinate_ is not -1, and collects the
+  /// indices of all other velocities in `outside`.
   void number_velocities() {
     const std::vector<std::string> names = velocity_names(model_);
     std::vector<char> angular(names.size(), 0);
