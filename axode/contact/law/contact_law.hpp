@@ -52,9 +52,10 @@ LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>&
 /// The branch of the law of a block at the trial impulse z.
 LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
-/// Projects the trial impulse z of a block of constraint rows for a convex approximation of the law, in which
-/// contacts separate when they slide. For a contact this is the projection on the friction cone; for all
-/// other blocks it is the impulse that the exact law allows.
+/// Writes to `lambda` the projection of the trial impulse z of a block of constraint rows, for a convex
+/// approximation of the law in which contacts separate when they slide. For a contact it is the projection of
+/// z on the friction cone |λ_T| ≤ λ_N. For a stop, dry friction, a loop and a contact with a given normal
+/// impulse it is resolve(z), the nearest impulse to z that the exact law allows.
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 /// Calls f with the number of rows of a block as a compile-time constant.

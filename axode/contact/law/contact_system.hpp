@@ -95,18 +95,21 @@ class ContactSystem {
   void loop_openings(const double* q, double* openings) noexcept;
 
   /// Factorises the mass matrix and makes all constraint rows at q. Of the hard stops only those nearer than
-  /// `stop_margin` (rad or m) get rows. Afterwards the rows of problem() are in physical units, not yet
-  /// multiplied by coefficients of friction. The impulse of a joint with dry friction is bounded by its
+  /// `stop_margin` (rad or m) get rows. Afterwards the rows of problem() are in physical units; finish() of
+  /// the problem then multiplies the friction rows by their coefficients of friction, so that the friction
+  /// cone of every contact is |λ_T| ≤ λ_N. The impulse of a joint with dry friction is bounded by its
   /// friction force times the step h. `resistance` has an inertia for each velocity that is added to the mass
   /// matrix, or is null. Allocates only if there are more contacts than the capacity.
   Solvability set(const double* q, std::span<const Contact> contacts, double h,
                   double stop_margin = std::numeric_limits<double>::infinity(),
                   const double* resistance = nullptr);
 
-  /// The problem to find the impulses of the constraint rows. After set(), the caller writes to it the
-  /// terms r that are added to the velocities of the rows, and w = D^½ L v for the joint velocities v of
-  /// the motion without impulses, where Lᵀ D L is the mass matrix. Then the caller calls the function
-  /// finish() of the problem.
+  /// The problem to find the impulses λ of the constraint rows, such that λ and the velocities u = Yᵀ (w + Y
+  /// λ) + r of the rows obey the laws of contact, friction and loops. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of
+  /// the rows and the mass matrix Lᵀ D L. After set(), the caller writes r and w to the problem, and then
+  /// calls its function finish(). w is D^½ L v for the joint velocities v of the motion without impulses. r
+  /// has a number in m/s or rad/s for each row, for example e u⁻ for an impact with the coefficient of
+  /// restitution e and the velocity u⁻ before it, or the gap of a contact divided by the step.
   VelocityProblem& problem() { return problem_; }
   const VelocityProblem& problem() const { return problem_; }
   std::span<const int> active_stops() const { return active_; }  ///< indices in stops()
@@ -157,15 +160,16 @@ class ContactSystem {
   /// use them.
   void find_path(int a, int b);
   /// Writes the column of Y = D^-½ L⁻ᵀ Jᵀ for one row of J, with the mass matrix M = Lᵀ D L, by a backward
-  /// sweep along the paths of bodies a and b to the ground, which must have been found before. The row of J
-  /// is given by the wrench `on_b` on body b, the opposite wrench `on_a` on body a, and the generalised
-  /// forces x.
+  /// sweep along the paths of bodies a and b to the ground. find_path(a, b) must have been called before. The
+  /// row of J has the generalised forces of the wrench `on_b` on body b and of the wrench -`on_a` on body a,
+  /// plus the generalised forces x (nv numbers). Each wrench is in inertial axes, about the origin of the
+  /// root of its body.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
-  /// Appends a block of constraint rows with the Jacobian J for a constraint between the two bodies whose
-  /// paths were found last. The block has the velocities on the paths of these bodies to the ground. Returns
-  /// the memory for the block's part of the Jacobian J, filled with zeros, and sets Y to the memory for its
-  /// part of D^-½ L⁻ᵀ Jᵀ, with the mass matrix M = Lᵀ D L; both have the same layout.
+  /// Appends a block of constraint rows with the Jacobian J, whose columns belong to the velocities in
+  /// support_; find_path() sets these to the velocities on the paths of two bodies to the ground. Returns the
+  /// memory for the block's part of J, filled with zeros, and sets Y to the memory for its part of D^-½ L⁻ᵀ
+  /// Jᵀ, with the mass matrix M = Lᵀ D L; both have the same layout.
   double* add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant = false);
   /// Adds the constraint rows of a contact. The normal force of a compliant contact is an additional unknown
   /// unless its impulse is given; `compliance` is the index of this unknown, and is then increased.

@@ -39,13 +39,14 @@ class VelocityProblem {
   /// Removes all constraint rows. Sets the number of compliant contacts, each of which adds an unknown
   /// velocity to those of the mechanism (D11.26).
   void clear(int compliances = 0);
-  /// Appends a block of constraint rows with the Jacobian J to the problem. `support` has the velocities
-  /// that the block moves, in ascending order; if `compliant`, the last of them is the additional unknown
-  /// of a compliant contact. Returns the memory for the block's part of Y = D^-½ L⁻ᵀ Jᵀ, where Lᵀ D L is
-  /// the mass matrix: a column for each row of the block, with a number for each velocity in `support`.
-  /// Before the next call, the caller must write the numbers of Y, and set for each row the term r that is
-  /// added to its velocity and its factor c (a coefficient of friction or 1). Allocates if more memory is
-  /// needed than was reserved.
+  /// Appends a block of constraint rows with the Jacobian J to the problem. `support` has the velocities that
+  /// the block moves, in ascending order; if `compliant`, the last of them is the additional unknown of a
+  /// compliant contact. Returns the memory for the block's part of Y = D^-½ L⁻ᵀ Jᵀ, where Lᵀ D L is the mass
+  /// matrix: a column for each row of the block, with a number for each velocity in `support`. The caller
+  /// must write the numbers of Y before the next call, and may set two numbers of each row before finish():
+  /// r, 0 by default, is added to the velocity of the row; c, 1 by default, is the number by which finish()
+  /// multiplies the row, the coefficient of friction for a friction row of a contact. Allocates if more
+  /// memory is needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
   /// Sets the compliance C of a block with a compliant contact, after finish(): the law of its normal row
@@ -82,8 +83,9 @@ class VelocityProblem {
   const std::vector<double>& squared_scales() const { return d2_; }
   /// Whether an impulse of a constraint row changes the motion; it is known once the problem is complete. It
   /// is false only for a row of a loop whose Jacobian is 0 up to rounding, because joints of the tree satisfy
-  /// the constraint in any motion. finish() sets the column of Y and the term r of such a row to 0. A caller
-  /// that changes r or the Jacobian of rows afterwards must leave them 0 for this row.
+  /// the constraint in any motion. In the velocities u = Yᵀ (w + Y λ) + r of the rows, finish() sets the
+  /// column of Y and the number r of such a row to 0. A caller that changes r or the Jacobian of rows
+  /// afterwards must leave them 0 for this row.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.
@@ -108,21 +110,21 @@ class VelocityProblem {
   std::vector<char> moves_;
 };
 
-/// The certificate of multipliers λ of constraint rows, which says by how much they violate the laws of
-/// contact, relative to the motion; it is 0 if the laws hold (D11.7). It is |d (λ - resolve(λ - u/d²))| /
-/// (|w| + |Y λ|) with the velocities u of the rows, the motion w without impulses and the motion Y λ that the
-/// impulses add. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows and the mass matrix Lᵀ D L. `resolve` maps a
-/// trial impulse to the impulse that the law allows. d is a number for each row with d² near the diagonal
-/// entry of Yᵀ Y: u/d² is then an impulse, and d times an impulse is a motion like Y λ. Rounding errors make
-/// the certificate 1e-12; it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv()
-/// numbers.
+/// The certificate of multipliers λ of constraint rows: the error of the laws of contact relative to the
+/// motion, 0 if the laws hold (D11.7). It is |d (λ - resolve(λ - u/d²))| / (|w| + |Y λ|), where `resolve`
+/// maps a trial impulse to the impulse that the law allows, and u = Yᵀ (w + Y λ) + r are the velocities of
+/// the rows with the impulses λ. w stands for the motion without impulses and Y λ for the motion that the
+/// impulses add, both as D^½ L v for joint velocities v and the mass matrix M = Lᵀ D L. Y is D^-½ L⁻ᵀ Jᵀ for
+/// the Jacobian J of the rows. d is a number for each row with d² near the diagonal entry of Yᵀ Y: u/d² is
+/// then an impulse, and d times an impulse has the unit of Y λ. Rounding errors make the certificate 1e-12;
+/// it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes the certificate |d ρ| / (|w| + |t|) of multipliers λ of constraint rows, which says by how much
-/// they violate the laws of contact (D11.7). `residual` has the ρ of each row: the difference between the
-/// multiplier λ and the one that the law allows for the row's velocity. w is the motion without impulses, and
-/// t = Y λ (nv() numbers) the motion that the impulses add, both as x = D^½ L v for joint velocities v and
-/// the mass matrix M = Lᵀ D L. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows, and d² is about the diagonal
-/// entry of Yᵀ Y for a row.
+/// Computes the certificate |d ρ| / (|w| + |t|) of multipliers λ of constraint rows: the error of the laws of
+/// contact relative to the motion (D11.7). `residual` has ρ = λ - resolve(λ - u/d²) for each row, where u are
+/// the velocities of the rows for λ, and `resolve` maps a trial impulse to the impulse that the law allows. w
+/// is the motion without impulses, and t = Y λ (nv() numbers) the motion that the impulses add, both as D^½ L
+/// v for joint velocities v and the mass matrix M = Lᵀ D L. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows,
+/// and d² is about the diagonal entry of Yᵀ Y for a row.
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

@@ -57,8 +57,9 @@ void VelocitySolver::begin(const VelocityProblem& p) noexcept {
 }
 
 /// Finds the groups of constraint rows whose impulses change the same velocities, and the order in which the
-/// velocities are eliminated when a matrix 1 + Y B Yᵀ is factorised. The matrix B has a block for each
-/// contact or other law, and Y = D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows and the mass matrix Lᵀ D L.
+/// velocities are eliminated when a matrix 1 + Y B Yᵀ is factorised. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of
+/// the rows and the mass matrix Lᵀ D L. B is block diagonal, with a block for each contact or other law: if
+/// the velocities of its rows change by δu, the linearised law changes their impulses by -B δu.
 void VelocitySolver::analyse() noexcept {
   sparse_.begin(problem_->nv());
   std::size_t last = std::numeric_limits<std::size_t>::max();

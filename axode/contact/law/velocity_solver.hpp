@@ -41,9 +41,9 @@ class VelocitySolver {
   /// Improves the multipliers `lambda` of the constraint rows, one number for each row, from their given
   /// values until the certificate, the relative error of the laws, is at most `tolerance`, or until rounding
   /// prevents progress. The rows are the scaled rows of the problem: friction rows are multiplied by the
-  /// coefficients of friction. The solver starts again from other multipliers only while the certificate is
-  /// above 1e-9 and the monitor does not return false. Memory must have been reserved. Allocates nothing, and
-  /// throws only what the monitor throws.
+  /// coefficients of friction. If the certificate remains above 1e-9, the solver starts again from other
+  /// multipliers. Meanwhile it calls `monitor` repeatedly, unless this is empty, and ends if `monitor`
+  /// returns false. Memory must have been reserved. Allocates nothing, and throws only what `monitor` throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
@@ -86,8 +86,9 @@ class VelocitySolver {
   /// Improves the multipliers λ by Newton's method for the laws of contact λ = resolve(λ - u/d²), where u are
   /// the velocities of the rows for λ, and `resolve` maps a trial impulse to the impulse that the law allows
   /// (D11.9). d² is about the diagonal entry of J M⁻¹ Jᵀ for a row, with the Jacobian J of the rows and the
-  /// mass matrix M. Returns the certificate of λ, the relative error of the laws. The iteration ends at the
-  /// tolerance, or after more than `patience` steps that do not halve the least certificate.
+  /// mass matrix M. Returns the certificate |d (λ - resolve(λ - u/d²))| / (|w| + |Y λ|) of λ, the error of
+  /// the laws relative to the motion w without impulses and the motion Y λ by the impulses. The iteration
+  /// ends at the tolerance, or after more than `patience` steps that do not halve the least certificate.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
   /// Makes, for each block of constraint rows (such as the rows of one contact), the matrix B of Newton's
@@ -99,9 +100,10 @@ class VelocitySolver {
   /// without which the inverse does not exist if the block sticks, because then Z = 1 (D11.9). Returns
   /// whether the matrices of all blocks are symmetric.
   bool make_matrices(double kept) noexcept;
-  /// Factorises the matrix 1 + Y B Yᵀ of Newton's method in velocities. Y = D^-½ L⁻ᵀ Jᵀ for the Jacobian J of
-  /// the constraint rows and the mass matrix Lᵀ D L, and the block-diagonal matrix B has the matrices of
-  /// make_matrices(). `symmetric` says whether all of them are symmetric.
+  /// Factorises the matrix 1 + Y B Yᵀ of Newton's method in velocities. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J
+  /// of the constraint rows and the mass matrix Lᵀ D L. B is block diagonal, with the matrices of
+  /// make_matrices() as blocks: if the velocities of the rows of a block change by δu, the linearised law
+  /// changes their impulses by -B δu. `symmetric` says whether all blocks of B are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
   /// Factorises the matrix of Newton's method whose unknowns are the multipliers λ. Z is the derivative of
@@ -112,7 +114,7 @@ class VelocitySolver {
   /// For the laws themselves, λ = resolve(λ - u/R), it is 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with a small number
   /// `kept` > 0, which makes it regular if contacts are redundant (D11.9).
   void factorize_multipliers(double kept) noexcept;
-  /// Computes a := B a with the block-diagonal matrix B that has the matrices of make_matrices().
+  /// Computes a := B a, where B is block diagonal and has the matrices of make_matrices() as blocks.
   void multiply_blocks(Vector& a) const noexcept;
 
   /// Runs the alternating direction method of multipliers (D11.10) from λ = 0, and writes the multipliers
@@ -138,11 +140,12 @@ class VelocitySolver {
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
   /// Finds starts for Newton's method from contact problems that are easier because contacts have a
-  /// compliance R: λ = resolve(-u/R) with R = exp(σ) d² (D11.10a). u are the velocities of the rows, d² is
-  /// about the diagonal entry of the Delassus operator for a row, and `resolve` maps a trial impulse to the
-  /// impulse that the law allows. Follows their solutions, which form a path, while σ falls, and runs
-  /// Newton's method for contacts without compliance from points of it. The path begins at the multipliers in
-  /// y_.
+  /// compliance R: λ = resolve(λ_0 - u/R) with constant multipliers λ_0 (D11.10a), given in y_. u are the
+  /// velocities of the rows, and `resolve` maps a trial impulse to the impulse that the law allows. R is
+  /// exp(σ) d² with a number σ for all rows and d² about the diagonal entry of the Delassus operator for a
+  /// row. The solutions for all σ form a path. Follows it from R = 100 d², at which the solution is near
+  /// resolve(λ_0), while σ falls, and runs Newton's method for contacts without compliance from points of the
+  /// path.
   void follow_path(double tolerance);
 
   /// The largest certificate at which no further start is made.
