@@ -35,9 +35,11 @@ double ResistingForces::bound(Eigen::Index i, int direction) const {
 
 /// Checks the condition (D9.12) under which the friction forces of joints with gears are unique: Φ + diag(δ)
 /// must be positive definite. Φ = ∂a/∂τ is the response of the accelerations to joint forces. For gears that
-/// move or have κ_b > 1, δ is (1 - κ_b)/(κ_b I) with the inertia I of the rotor and the part κ_b of the
-/// transmitted force that the gear loses while it is driven back; for other joints at rest δ is 0. Returns -1
-/// if the condition holds. Otherwise returns the index i of the joint with the most negative δ_i/Φ_ii.
+/// move, or that lose more than the whole transmitted force when they are driven back (κ_b > 1), δ is (1 -
+/// κ_b)/(κ_b I) with the part κ_b of the transmitted force that is lost then, and the inertia I of the rotor.
+/// For all other joints at rest δ is 0. Moving joints without a gear, and gears that would have this δ but
+/// have κ_b I = 0, are left out of Φ. Returns -1 if the condition holds. Otherwise returns the index i of the
+/// joint with the most negative δ_i/Φ_ii.
 int ResistingForces::not_unique(const Matrix& Phi) const {
   std::vector<Eigen::Index> rows;  // joints that stick in the worst case come first
   std::vector<double> diagonal;
@@ -103,8 +105,8 @@ void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
 
 /// Solves the equations (D9.10) for the friction forces x. They are linear for the present pieces_, which say
 /// for each joint whether it sticks or in which direction it slides, and which sign the force of its gear
-/// has. The number `little` is added to the diagonal of the equations of sticking joints; if it is 0, a
-/// default is added, and its effect is removed by iterative refinement.
+/// has. If `little` is positive, it is added to the diagonal of the equations of sticking joints, and changes
+/// x. If it is 0, a smaller number is added, whose effect on x is removed by iterative refinement.
 ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& a_0, const Vector& tau,
                                                double little) const {
   const Eigen::Index k = Phi.rows();

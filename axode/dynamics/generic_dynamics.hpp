@@ -23,9 +23,10 @@ namespace axode {
 template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
  public:
   explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
-  /// Uses the numbers of `tree` instead of those of the model, for derivatives with respect to inertias,
-  /// armatures or gravity. To make such a Tree, change the TreeNumbers of cast<T>(model.tree<double>()) and
-  /// construct a Tree from them.
+  /// Uses the real-valued data of `tree` (inertias, armatures, gravity and others) instead of those of the
+  /// model, for derivatives with respect to these data. To make such a tree, take the Tree<T>
+  /// cast<T>(model.tree<double>()), copy its base class TreeNumbers<T>, which has the data, change the copy,
+  /// and construct a Tree<T> from the topology() of the first tree and the copy.
   GenericDynamics(const Model& model, Tree<T> tree)
       : model_(model),
         tree_(std::move(tree)),

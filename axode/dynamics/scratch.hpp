@@ -80,9 +80,9 @@ template <class T> struct PosesAndMotion {
 };
 
 /// Scratch memory for a Coriolis matrix C = Jᵀ (M J' + B J): the joint screws, and for each body its inertia,
-/// its twist and its block of B. J and M are the spatial Jacobian and the spatial inertia of all bodies. B is
-/// block diagonal, and depends on the form of C: the 6×6 block of body i with the inertia M_i and the twist
-/// V_i maps a twist X to a wrench, for example to -ad_{V_i}ᵀ M_i X.
+/// its twist and its block of B. J and M are the spatial Jacobian and the spatial inertia of all bodies, and
+/// J' is the time derivative of J. B is block diagonal, and depends on the form of C: the 6×6 block of body i
+/// with the inertia M_i and the twist V_i maps a twist X to a wrench, for example to -ad_{V_i}ᵀ M_i X.
 template <class T> struct CoriolisBodies {
   SpatialTree<T> spatial;
   Twist<Spatial, T>* V;

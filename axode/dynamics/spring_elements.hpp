@@ -82,9 +82,10 @@ template <class T> struct Segment {
   Vec3<T> u;      ///< r/‖r‖, or 0
   T rate{};       ///< rate of the length
 
-  /// Computes the segment of a spring between two points. Calls columns(end, joint, velocity, X) for each end
-  /// (0 or 1) with each column X of its body-fixed Jacobian, for the joints up to the body where the paths
-  /// from both ends to the ground meet. If v is null, rates are 0.
+  /// Computes all members for the segment between two points; rates are 0 if v is null. Calls columns(e, i,
+  /// c, X) for each end e (0 or 1) and each velocity c of the joints between this end and the body where the
+  /// paths from both ends to the ground meet. i is the body of the joint, c the index of the velocity in v,
+  /// and X the column of the body-fixed Jacobian of the end for this velocity.
   template <class F>
   Segment(const Spring::Path::Point* ends, const Tree<T>& tree, const T* q, const T* v,
           const F& columns) noexcept
@@ -153,10 +154,11 @@ template <class T> struct RelativePose {
   SE3<T> D;
   Screw<T> V;
 
-  /// Computes the pose D and the twist V of the second frame of a spring relative to the first. Calls
-  /// columns(end, joint, velocity, X) for each frame (end 0 or 1) with each column X of its body-fixed
-  /// Jacobian, for the joints up to the body where the paths from both frames to the ground meet. If v is
-  /// null, V is 0.
+  /// Computes the pose D and the twist V of the second frame of a spring relative to the first; V is 0 if v
+  /// is null. Calls columns(e, i, c, X) for each frame (e = 0 or 1) and each velocity c of the joints between
+  /// this frame and the body where the paths from both frames to the ground meet. i is the body of the joint,
+  /// c the index of the velocity in v, and X the column of the body-fixed Jacobian of the frame for this
+  /// velocity.
   template <class F>
   RelativePose(const std::array<Spring::End, 2>& ends, const Tree<T>& tree, const T* q, const T* v,
                const F& columns) noexcept
@@ -235,9 +237,10 @@ template <class T> struct TwistAngle {
   T square_;
 };
 
-/// Computes the wrench W of a torsion spring on its second frame (D16.9). If `with_derivatives` is set, also
-/// computes K = -∂W/∂η for displacements η of this frame and C = -∂W/∂V for the relative twist V. `at` has
-/// the relative pose and twist of the two frames.
+/// Computes the wrench W of a torsion spring on the second of its two frames (D16.9). `at` has the pose D of
+/// the second frame relative to the first, and the twist V of the second frame relative to the first. W and V
+/// are in the axes and about the origin of the second frame. If `with_derivatives` is set, also computes K =
+/// -∂W/∂η for displacements D → D exp(η), and C = -∂W/∂V.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {
@@ -260,9 +263,10 @@ SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const Rel
   return out;
 }
 
-/// Computes the wrench W of a bushing on its second frame (D16.10). If `with_derivatives` is set, also
-/// computes K = -∂W/∂η for displacements η of this frame and C = -∂W/∂V for the relative twist V (D16.11).
-/// `at` has the relative pose and twist of the two frames.
+/// Computes the wrench W of a bushing on the second of its two frames (D16.10). `at` has the pose D of the
+/// second frame relative to the first, and the twist V of the second frame relative to the first. W and V are
+/// in the axes and about the origin of the second frame. If `with_derivatives` is set, also computes K =
+/// -∂W/∂η for displacements D → D exp(η), and C = -∂W/∂V (D16.11).
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {

@@ -5,8 +5,9 @@
 /// in simulations, linearisations and equilibria. Inverse and forward dynamics and their derivatives leave
 /// them out: add their forces to τ by add_spring_forces().
 ///
-/// On a joint with one velocity, a spring of stiffness k has the force -k (p - rest) at the joint's own
-/// position p. At a depth δ beyond a limit of the joint, its stop has the force -k_s δ max(0, 1 + d δ') (Hunt
+/// On a joint with one velocity, a spring of stiffness k has the force -k (p - rest) at the position p of the
+/// joint. p is its coordinate q or, for a joint that is coupled to a leader with the coordinate q, ratio · q
+/// + offset. At a depth δ beyond a limit of the joint, its stop has the force -k_s δ max(0, 1 + d δ') (Hunt
 /// and Crossley), where k_s and d are the stiffness and the damping of the stop. For the spring of a joint
 /// with several velocities, let x be the logarithm of the joint's displacement from its reference pose
 /// (coordinates 0, quaternion the identity), and K the diagonal matrix of stiffnesses; the energy is xᵀ K x /

@@ -58,8 +58,8 @@ VectorXd applied_wrenches(const Model& model, const std::vector<SE3<>>& C, const
   return W;
 }
 
-/// The generalised forces (nv) of armatures at accelerations a and, if loads.joint_losses is set, of damping
-/// and friction at velocities v.
+/// The generalised forces τ (nv) that drives must supply to accelerate the armatures with the accelerations a
+/// and, if loads.joint_losses is set, to overcome damping and dry friction at the velocities v.
 VectorXd joint_forces(const Model& model, std::span<const double> v, std::span<const double> a,
                       const Loads<double>& loads) {
   const Tree<double>& tree = model.tree<double>();

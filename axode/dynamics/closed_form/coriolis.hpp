@@ -21,10 +21,12 @@ void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, 
 /// Christoffel symbols of the first kind, Γ_ijk at [(i nv + j) nv + k], nv³ entries, from spatial joint
 /// screws J and composite inertias (eq. Gamma with erratum 25):
 ///   2 Γ_ijk = J_kᵀ M^c [J_i, J_j] + J_jᵀ M^c [J_i, J_k] + J_iᵀ M^c [J_s, J_r].
-/// Here M^c is the composite inertia of the subtree of that one of i, j and k that is farthest from the
-/// ground. s is the one of j and k that is nearer to the ground, and r is the other. Γ_ijk = Γ_ikj, except if
-/// j and k are velocities of one joint with several degrees of freedom: then Γ_ijk - Γ_ikj = J_iᵀ M^c [J_k,
-/// J_j]. O(n d²) for a tree of depth d, and O(nv³) to clear the result.
+/// Here the joints of the velocities i, j and k lie on one path to the ground; otherwise Γ_ijk = 0. M^c is
+/// the composite inertia of the subtree of that joint of i, j and k which is farthest from the ground. In the
+/// last bracket s = k and r = j if the joint of k is nearer to the ground than that of j, or if it is the
+/// same joint; otherwise s = j and r = k. Γ_ijk = Γ_ikj, except if j and k are velocities of one joint with
+/// several degrees of freedom: then Γ_ijk - Γ_ikj = J_iᵀ M^c [J_k, J_j]. O(n d²) for a tree of depth d, and
+/// O(nv³) to clear the result.
 template <class T>
 void christoffel(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                  std::type_identity_t<std::span<T>> Gamma);
