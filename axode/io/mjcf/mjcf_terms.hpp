@@ -25,8 +25,8 @@ bool in_mjcf(LoopKind kind);
 /// have different limits and efforts but must have equal losses and armatures, and gives a ball or free joint
 /// one number for each property.
 std::vector<Dof> said(const JointDescription& joint);
-/// Whether MJCF can express a spring, as a spatial tendon: a linear spring along points, without preload,
-/// that acts in both directions.
+/// Whether MJCF can express a spring, as a spatial tendon: a linear spring without preload that acts in both
+/// directions, between two points or along a path of points on bodies.
 bool has_words_for(const SpringDescription& spring);
 /// Whether MJCF can express a shape of the ground (if `on_ground`) or of a body.
 bool has_words_for(const ShapeDescription& shape, bool on_ground);

@@ -47,13 +47,15 @@ class SdfFrames {
   int size() const { return static_cast<int>(all_.size()); }
 
   /// Computes for each frame the link to which it is fixed and its pose in the world, from the frames
-  /// relative to which they are given. Unknown names and cycles are reported.
+  /// relative to which they are given. Calls `report` for each unknown name, for each cycle of frames, and
+  /// for a placement frame that is not given relative to its model, and then goes on.
   void resolve(const Report& report);
 
  private:
   std::string path(int model, std::string_view name) const;
   /// The indices of the frames in an order in which each frame comes after the frame that its member `next`
-  /// names. A cycle is reported and cut at one of its frames.
+  /// names. For each cycle, calls `report` with the message `in_a_cycle`, and cuts the cycle at one of its
+  /// frames.
   std::vector<int> in_order(int Frame::*next, std::string_view in_a_cycle, const Report& report);
 
   std::vector<Frame> all_;
