@@ -94,8 +94,9 @@ constexpr Inertia<T> inertia_in_frames(const FramePair<T>& jk, const SE3<T>& C, 
 }
 
 /// The resultant wrench on a body from its twist V and the rate V' of the components of V, by the
-/// Newton-Euler equations in the representation of V. The body has the pose C relative to the inertial frame,
-/// and M is its inertia in the body frame.
+/// Newton-Euler equations. V, V' and the wrench are in the representation Rep: body-fixed, spatial, hybrid or
+/// mixed. M is the inertia of the body in the body frame, and C is the pose of the body frame relative to the
+/// inertial frame.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
                                 const TwistRate<Rep, T>& dV) {
@@ -109,9 +110,10 @@ constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twis
     return newton_euler(M, C.R, V, dV);
 }
 /// The resultant wrench on a body from its twist V and the rate V' of the components of V, all measured at
-/// the origin of a frame F_j and resolved in the axes of a frame F_k. Both frames may move: `jk` has the
-/// position and velocity of the origin of F_j, and the rotation and angular velocity of F_k. The body has the
-/// pose C relative to the inertial frame, and M is its inertia in the body frame.
+/// the origin of a frame F_j and resolved in the axes of a frame F_k. Both frames may move. `jk` has the
+/// position and velocity of the origin of F_j, and the rotation and angular velocity of F_k, all relative to
+/// the inertial frame and in inertial axes. The body has the pose C relative to the inertial frame, and M is
+/// its inertia in the body frame.
 template <class T>
 constexpr Wrench<InFrames, T> wrench(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                      const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -137,7 +139,8 @@ constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) 
 }
 
 /// The rate V' of the components of the twist V of a body under the resultant wrench W, by the Newton-Euler
-/// equations. The body has the pose C relative to the inertial frame, and M is its inertia in the body frame.
+/// equations. V, V' and W are in the representation Rep: body-fixed, spatial, hybrid or mixed. M is the
+/// inertia of the body in the body frame, and C is the pose of the body frame relative to the inertial frame.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const Twist<Rep, T>& V,
                                          const Wrench<Rep, T>& W) {
@@ -145,9 +148,10 @@ constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, c
   return change<Rep>(C, V_b, solve(M, change<BodyFixed>(C, W) - coad(V_b, M * V_b)));
 }
 /// The rate V' of the components of the twist V of a body under the resultant wrench W, all measured at the
-/// origin of a frame F_j and resolved in the axes of a frame F_k. Both frames may move: `jk` has the position
-/// and velocity of the origin of F_j, and the rotation and angular velocity of F_k. The body has the pose C
-/// relative to the inertial frame, and M is its inertia in the body frame.
+/// origin of a frame F_j and resolved in the axes of a frame F_k. Both frames may move. `jk` has the position
+/// and velocity of the origin of F_j, and the rotation and angular velocity of F_k, all relative to the
+/// inertial frame and in inertial axes. The body has the pose C relative to the inertial frame, and M is its
+/// inertia in the body frame.
 template <class T>
 constexpr TwistRate<InFrames, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                               const Twist<InFrames, T>& V, const Wrench<InFrames, T>& W) {

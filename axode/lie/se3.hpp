@@ -77,14 +77,17 @@ template <class T> constexpr Screw<T> log(const SE3<T>& C) {
   return {w, dexp_inv(w, C.r)};
 }
 
-/// Computes P_X Z, where the operator P_X on se(3) is made from an operator P_ξ = I + β ξ̃ + γ ξ̃² on so(3):
-/// its two diagonal 3×3 blocks are P_ξ with the angular part ξ of X, and its third block is the derivative of
-/// P_ξ along the linear part of X.
+/// Computes P_X Z for an operator P_X on se(3) that is made from an operator P_ξ = I + β ξ̃ + γ ξ̃² on so(3),
+/// where β and γ are functions of ‖ξ‖². With the angular part ξ of the screw X, the two diagonal 3×3 blocks
+/// of P_X are P_ξ. Its lower left block is the derivative of P_ξ along the linear part of X, and its upper
+/// right block is 0.
 template <class T> constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Screw<T>& Z) {
   return {apply(P, X.w, Z.w), apply(P, X.w, Z.v) + apply(P, X.w, X.v, Z.w)};
 }
-/// Computes D_U P_X Z, the derivative of P_X Z when X moves along U. The operator P_X on se(3) is made from
-/// an operator P_ξ = I + β ξ̃ + γ ξ̃² on so(3) by the principle of transference.
+/// Computes D_U P_X Z, the derivative of P_X Z when the screw X moves along U. The operator P_X on se(3) is
+/// made from an operator P_ξ = I + β ξ̃ + γ ξ̃² on so(3), where β and γ are functions of ‖ξ‖². With the
+/// angular part ξ of X, the two diagonal 3×3 blocks of P_X are P_ξ. Its lower left block is the derivative of
+/// P_ξ along the linear part of X, and its upper right block is 0.
 template <class T>
 constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Screw<T>& U, const Screw<T>& Z) {
   return {apply(P, X.w, U.w, Z.w),
