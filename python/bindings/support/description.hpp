@@ -16,8 +16,9 @@ Description unpacked(nb::handle tuple);
 inline Strictness strictness(bool strict) { return strict ? Strictness::strict : Strictness::lenient; }
 
 /// Builds a mechanism from a dict with the keys of the drawing format (docs/drawing-format.md). Throws
-/// ModelError with every fault, and nb::type_error for objects that a drawing cannot contain. If the dict
-/// stems from a file, `file` is its name and `warnings` are those of its reader.
+/// ModelError with every fault, and nb::type_error for objects that a drawing cannot contain. If the dict was
+/// read from a file, `file` is the name of the file, and `warnings` has the warnings of its reader: they are
+/// added to those of the mechanism or, if it has an error, to the faults of the ModelError.
 Model from_dict(const nb::dict& drawing, Base base, Strictness strictness, const std::string& file = "",
                 const std::vector<Fault>& warnings = {});
 nb::dict to_dict(const Model& model);
