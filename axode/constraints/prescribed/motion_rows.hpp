@@ -45,9 +45,9 @@ class MotionRows {
   double next_jump(double t) const;
   /// Throws std::invalid_argument if a motion is not known at all times from `from` to `until`.
   void check_times(double from, double until) const;
-  /// The name of a joint or rod with a prescribed motion: the one whose loop equation has the largest
-  /// absolute number in `rows`, which has one number for each loop equation. Empty if the numbers of all
-  /// prescribed motions are within the tolerance.
+  /// The name of the joint or rod whose prescribed motion is violated most. `rows` has the residual of each
+  /// loop equation of model(), for example of its second time derivative. Residuals up to `tolerance` count
+  /// as 0. Empty if this holds for all prescribed motions.
   std::string worst(std::span<const double> rows, double tolerance) const;
 
  private:
