@@ -53,10 +53,12 @@ class DisplacedMotion {
 
   explicit DisplacedMotion(const Model& model);
 
-  /// Sets changes of the geometric parameters of all n bodies along p directions: `geometry` has 6 n × p
-  /// numbers, or is empty. In later calls of run() with k directions, they are the changes along the
-  /// directions `first` to `first` + p - 1. If k ≤ `first`, the call has no changes of geometric
-  /// parameters.
+  /// Sets the changes `geometry` (6 n × p, or empty) of the geometric parameters of all n bodies along p
+  /// directions. Rows 6 (i - 1) to 6 i - 1 belong to body i. Its parameters displace the joint of the body
+  /// and its subtree along the six unit screws, angular before linear, of the frame that the body has while
+  /// its joint is at zero. In later calls of run() with k directions, the columns of `geometry` are the
+  /// changes along the directions `first` to `first` + p - 1. If k ≤ `first`, the call has no changes of
+  /// geometric parameters.
   void set_geometry(const Changes& geometry, Eigen::Index first);
   /// Computes the poses and twists of all bodies and their changes along (dq, dv), nv × k each.
   void run(const double* q, const double* v, const Changes& dq, const Changes& dv);
