@@ -13,53 +13,58 @@
 /// that are not of unit norm, and a load on a frame that does not exist.
 namespace axode {
 
-/// Computes ∂τ/∂π of the forces τ of inverse dynamics at (q, v, a) with respect to the geometric parameters
-/// π, displacements of the subtree of each body along the six unit screws of its frame: nv × n_bodies × 6
-/// numbers, [component, body - 1, unit screw]. O(n d) on paths of d velocities. See (D1.18) of
-/// docs/derivations.
+/// Computes ∂τ/∂π of the forces τ of inverse dynamics at (q, v, a): nv × n_bodies × 6 numbers, [component,
+/// body - 1, parameter]. The six geometric parameters π of a body displace its joint and its subtree relative
+/// to the predecessor, along the unit screws of the frame that the body has while its joint is at zero.
+/// O(n d) on paths of d velocities. See (D1.18) of docs/derivations.
 template <class T>
 void inverse_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                            Numbers<T> v, Numbers<T> a,
                                            std::type_identity_t<std::span<T>> dtau,
                                            const std::type_identity_t<Loads<T>>& loads = {});
-/// Computes ∂a/∂π of the accelerations a of forward dynamics at (q, v, τ) with respect to the geometric
-/// parameters π, displacements of the subtree of each body along the six unit screws of its frame: nv ×
-/// n_bodies × 6 numbers, [component, body - 1, unit screw]. O(n) for each parameter. The results are NaN if
-/// the status is not ok().
+/// Computes ∂a/∂π of the accelerations a of forward dynamics at (q, v, τ): nv × n_bodies × 6 numbers,
+/// [component, body - 1, parameter]. The six geometric parameters π of a body displace its joint and its
+/// subtree relative to the predecessor, along the unit screws of the frame that the body has while its joint
+/// is at zero. O(n) for each parameter. The results are NaN if the returned status is not ok().
 template <class T>
 Solvability forward_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                                   Numbers<T> v, Numbers<T> tau,
                                                   std::type_identity_t<std::span<T>> da,
                                                   const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes the gradient of w·τ, a weighted sum of the forces of inverse dynamics, with respect to the
-/// geometric parameters π, displacements of the subtree of each body along the six unit screws of its frame:
-/// n_bodies × 6 numbers. O(n). See (D1.23) of docs/derivations.
+/// Computes the gradient of w·τ, a weighted sum of the forces of inverse dynamics, by the geometric
+/// parameters π: n_bodies × 6 numbers. The six geometric parameters π of a body displace its joint and its
+/// subtree relative to the predecessor, along the unit screws of the frame that the body has while its joint
+/// is at zero. O(n). See (D1.23) of docs/derivations.
 template <class T>
 void inverse_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, Numbers<T> w, std::type_identity_t<std::span<T>> gradient,
                                    const std::type_identity_t<Loads<T>>& loads = {});
-/// Computes the gradient of Σ w_c a_c, a weighted sum of the accelerations of forward dynamics, with respect
-/// to the geometric parameters π, displacements of the subtree of each body along the six unit screws of its
-/// frame: n_bodies × 6 numbers. O(n). The gradient is NaN if the status is not ok().
+/// Computes the gradient of Σ w_c a_c, a weighted sum of the accelerations of forward dynamics, by the
+/// geometric parameters π: n_bodies × 6 numbers. The six geometric parameters π of a body displace its joint
+/// and its subtree relative to the predecessor, along the unit screws of the frame that the body has while
+/// its joint is at zero. O(n). The gradient is NaN if the returned status of the forward dynamics is not
+/// ok().
 template <class T>
 Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                           Numbers<T> v, Numbers<T> tau, Numbers<T> w,
                                           std::type_identity_t<std::span<T>> gradient,
                                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes how each geometric parameter π, a displacement of the subtree of a body along a unit screw of its
-/// frame, displaces a place, that is a frame or a point on a body: the body-fixed twists C⁻¹ ∂C/∂π of its
-/// pose C, 6 × n_bodies × 6 numbers, [component, body - 1, unit screw]. They are 0 unless the place is in the
-/// subtree of the body. O(d) on a path of d bodies, and the time to write the zeros.
+/// Computes how each geometric parameter π displaces a place, that is a frame or a point on a body: the
+/// body-fixed twists C⁻¹ ∂C/∂π of its pose C, 6 × n_bodies × 6 numbers, [component, body - 1, parameter]. The
+/// six geometric parameters π of a body displace its joint and its subtree relative to the predecessor, along
+/// the unit screws of the frame that the body has while its joint is at zero. The twists are 0 unless the
+/// place is in the subtree of the body. O(d) on a path of d bodies, and the time to write the zeros.
 template <class T>
 void frame_geometry_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<T>> J);
-/// Computes the derivatives of the body-fixed Jacobian of a place, that is a frame or a point on a body, with
-/// respect to the geometric parameters π, displacements of the subtree of each body along the six unit screws
-/// of its frame: n_bodies × 6 × nv twists, [body - 1, unit screw, velocity]. O(d²) on a path of d velocities,
-/// and the time to write the zeros.
+/// Computes the derivatives of the body-fixed Jacobian of a place, that is a frame or a point on a body, by
+/// the geometric parameters π: n_bodies × 6 × nv twists, [body - 1, parameter, velocity]. The six geometric
+/// parameters π of a body displace its joint and its subtree relative to the predecessor, along the unit
+/// screws of the frame that the body has while its joint is at zero. O(d²) on a path of d velocities, and the
+/// time to write the zeros.
 template <class T>
 void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    const std::type_identity_t<Place<T>>& place,

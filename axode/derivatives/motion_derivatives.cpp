@@ -34,8 +34,9 @@ template <class T> struct MovingPlace {
   SE3<T> C;
   V6<T> V, dV;
 
-  /// Converts changes of a motion to the representation Rep. X is the displacement of the pose, and by_V and
-  /// by_dV are the changes of the body-fixed components of the twist V and of its rate V'.
+  /// Converts changes of a motion to the representation Rep. X is the displacement of the pose in the frame
+  /// of the place: C becomes C exp(ε X^). by_V and by_dV are the changes of the body-fixed components of the
+  /// twist V and of their time derivative V'.
   template <class Rep> MotionChange<Rep, T> in(const V6<T>& X, const V6<T>& by_V, const V6<T>& by_dV) const {
     if constexpr (std::same_as<Rep, BodyFixed>) {
       return {X, by_V, by_dV};

@@ -36,17 +36,20 @@ MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Num
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& place, Numbers<T> dq,
                                 Numbers<T> dv, Numbers<T> da);
 
-/// Weights of the components of a MotionChange: of the pose, of the twist V and of its time derivative V'.
+/// Weights of the components of a MotionChange: of the displacement X of the pose, of the twist V and of its
+/// time derivative V'.
 template <class Rep, class T> struct MotionWeights {
   Wrench<BodyFixed, T> X;
   Wrench<Rep, T> V, dV;
 };
-/// Receives the gradients, with respect to q, v and a (nv entries each), of a weighted sum of the
-/// components of the pose, the twist and the twist rate of a place. The three spans must not overlap.
+/// Receives the gradients, with respect to q, v and a (nv entries each), of a weighted sum of the components
+/// of the displacement, the twist and the twist rate of a place, which is a frame or a point on a body. The
+/// three spans must not overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
-/// Computes the gradient, with respect to q, v and a, of a weighted sum of the components of the displacement
-/// of a place (a frame or a point on a body), of its twist V and of V'. w has the weights. O(n). For several
-/// places, add the results.
+/// Computes the gradient, with respect to q, v and a, of the sum w.X · X + w.V · V + w.dV · V' for a place,
+/// which is a frame or a point on a body. X is the infinitesimal displacement of its pose C, which becomes
+/// C exp(ε X^), in body-fixed components; V is the twist of the place. The part of X in the gradient by q is
+/// Jᵀ w.X with the body-fixed Jacobian J of the place. O(n). For several places, add the results.
 template <RecursionRepresentation Rep, class T>
 void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                 const std::type_identity_t<Place<T>>& place,

@@ -109,10 +109,12 @@ template <class T, class Add> class DifferentiateSpring {
     }
     return segment;
   }
-  /// The derivative of column k, the vector r_k by which a unit of velocity k changes the vector between the
-  /// ends of a straight segment of a spring, along direction j. If both velocities move the same end, with
-  /// the angular velocities w_k and w_j, it is w_j × r_k or, if j is farther from the ground, w_k × r_j;
-  /// otherwise 0.
+  /// The derivative of column k along the direction of column j, for a straight segment of a spring. Each
+  /// column belongs to one velocity of a joint that moves only one end of the segment; joints that move both
+  /// ends have none. Column k is the vector r_k by which a unit of this velocity changes the vector between
+  /// the ends, and w_k is the angular velocity that it gives to the body at the moved end. If the joints of j
+  /// and k move the same end, the derivative is w_j × r_k or, if the joint of j is farther from the ground
+  /// than that of k, w_k × r_j; otherwise it is 0.
   static Vec3<T> bent(const Column& j, const Column& k) {
     if (j.end != k.end) return {};
     return j.body <= k.body ? cross(j.X.w, k.X.v) : cross(k.X.w, j.X.v);
@@ -144,8 +146,9 @@ template <class T, class Add> class DifferentiateSpring {
              T(0));
     }
   }
-  /// Adds -(∂F/∂q) ∂x/∂q and -(∂F/∂v) ∂x/∂q to the derivatives of the generalised forces, for a spring with
-  /// the coordinate x and the tension F.
+  /// Adds the matrices -(∂x/∂q)ᵀ ∂F/∂q and -(∂x/∂q)ᵀ ∂F/∂v, outer products of rows with nv entries, to the
+  /// derivatives of the generalised forces -F (∂x/∂q)ᵀ by q and v. x is the coordinate of a spring, and F its
+  /// tension. add_curvature() adds the remaining term, with ∂²x/∂q².
   void add_by_coordinate(const Tension<T>& F) const noexcept {
     for (int m = 0; m < columns_.n_velocities; ++m) {
       const int j = columns_.velocities[m];
