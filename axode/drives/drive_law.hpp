@@ -29,10 +29,12 @@ template <class T> struct DriveResponse {
   T supplied{}, lost{};  ///< powers P_in and P_loss, W
 };
 
-/// The law of a drive: the rates of its states, its force, energy and powers as functions of a DrivePoint
-/// (states, input, coordinate and rate of the driven joint or line, time). They are smooth while the statuses
-/// are constant. A status is a small integer that selects a branch of the law, such as the sign of a velocity
-/// or whether a limit is reached. Several threads may call all member functions at once.
+/// The law of a drive: the rates of its states, its force, energy and powers as functions of a DrivePoint,
+/// which has the time, the input and the states of the drive, and the coordinate along which it acts with its
+/// rate. This coordinate is a sum of joint coordinates with factors, or the length of a straight line between
+/// points of two bodies. The functions are smooth while the statuses are constant. A status is a small
+/// integer that selects a branch of the law, such as the sign of a velocity or whether a limit is reached.
+/// Several threads may call all member functions at once.
 class DriveLaw {
  public:
   using Dual = axode::Dual<double, 1>;
@@ -57,11 +59,10 @@ class DriveLaw {
   virtual double margin(std::size_t, const DrivePoint<double>&, std::span<const int>) const noexcept {
     return 1;
   }
-  /// The margin of a status, the number that says which form of the law holds. The margin becomes negative
-  /// when the status must change. It is computed with its derivative along the direction in
-  /// `DrivePoint<Dual>`. Sensitivities of a motion need the derivative, because the time of the change
-  /// depends on the state. A law that does not override it has the derivative 0; its changes then count as
-  /// changes at fixed times.
+  /// The margin of a status, the integer that selects a branch of the law. The margin becomes negative when
+  /// the status must change. It is computed with its derivative along the direction in `DrivePoint<Dual>`.
+  /// Sensitivities of a motion need the derivative, because the time of the change depends on the state. A
+  /// law that does not override it has the derivative 0; its changes then count as changes at fixed times.
   virtual Dual margin(std::size_t, const DrivePoint<Dual>&, std::span<const int>) const noexcept { return 1; }
   /// Changes status k after its margin has become negative. The states x may jump at this change.
   virtual void change(std::size_t, const DrivePoint<double>&, Statuses, std::span<double>) const noexcept {}
