@@ -52,10 +52,11 @@ class Instance {
   void get_rates(std::span<double> rates);
   void get_indicators(std::span<double> indicators);
   void get_nominals(std::span<double> nominals) const;
-  /// Whether the FMU must go to event mode after the completed step. This is so if a drive must change the
-  /// form of its law, if a joint with dry friction or gear losses must begin to stick or to slide, if a play
-  /// (backlash of a coupling) or a hard stop must open or close, if loops are open by more than a tolerance,
-  /// and if a quaternion deviates from unit norm by more than a tolerance.
+  /// Whether the FMU must go to event mode after the completed step. This is so if a drive must change to
+  /// another branch of its law (for example because a current reaches its limit), if a joint with dry
+  /// friction or gear losses must begin to stick or to slide, if a play (backlash of a coupling) or a hard
+  /// stop must open or close, if loops are open by more than a tolerance, or if a quaternion deviates from
+  /// unit norm by more than a tolerance.
   bool needs_event();
   struct Event {
     bool states_changed = false;
@@ -87,9 +88,9 @@ class Instance {
   double indicator(std::size_t k);
   double gap(const Stop& stop) const;
   std::vector<double> reserves();
-  /// Returns the least margin of the drives, which becomes negative when the form of the law of a drive must
-  /// change; 1 if the FMU has no event indicator for it. Updates margin_scale_, the largest magnitude of the
-  /// margin so far.
+  /// Returns the least margin of the drives. It becomes negative when a drive must change to another branch
+  /// of its law, for example because a current reaches its limit. It is 1 if the FMU has no event indicator
+  /// for the drives. Updates margin_scale_, the largest magnitude of the margin so far.
   double observe_margin();
   /// The Jacobian of the unknowns (rows) by the knowns (columns).
   Eigen::MatrixXd jacobian(References unknowns, References knowns);

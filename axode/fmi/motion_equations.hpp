@@ -55,7 +55,7 @@ class MotionEquations {
 
   const DriveSystem& drives() const { return drives_; }
   /// Copies two parts of another motion of the same mechanism: its drives, with their inputs and statuses
-  /// (integers that say which form of a drive's law holds), and which of its joints stick or slide. The
+  /// (integers that select the branches of their laws), and which of its joints stick or slide. The
   /// continuous states (q, v, x) are not copied.
   void act_by(const DriveSystem& drives, const DryFriction& friction) {
     drives_ = drives;
@@ -63,8 +63,8 @@ class MotionEquations {
   }
 
   /// Corrects a state at the start: normalises quaternions, closes loops and follows prescribed motions at
-  /// the time in `at`, by changes of q and v. Then determines the discrete state: which form of the law of
-  /// each drive holds, and which joints stick or slide. Throws std::runtime_error if the loops cannot be
+  /// the time in `at`, by changes of q and v. Then determines the discrete state: which branch of its law
+  /// each drive is in, and which joints stick or slide. Throws std::runtime_error if the loops cannot be
   /// closed. Throws NoRates if q cannot be normalised, or if there are joints with dry friction or gear
   /// losses and the accelerations cannot be computed.
   void start(Point& at);
@@ -79,8 +79,8 @@ class MotionEquations {
   [[nodiscard]] bool close(Point& at);
 
   /// Updates the drives at the time in `at`. Inputs that jump at this time take their new values. The
-  /// statuses of drives, the integers that say which form of a drive's law holds (for example that a current
-  /// is at its limit), change if they must; then the states x of the drives may change, too.
+  /// statuses of drives, the integers that select a branch of a drive's law (for example that a current is at
+  /// its limit), change if they must; then the states x of the drives may change, too.
   void switch_drives(Point& at);
   double next_jump(double t) const;
   /// Lets joints with dry friction begin to stick or to slide. Velocities in `at` that have come to rest
@@ -90,18 +90,19 @@ class MotionEquations {
   void switch_plays(Point& at);
   /// Takes note that a step of the importing program has ended at `at`, without an event.
   void complete_step(const Point& at) { plays_.reduce_overshoot(at.q); }
-  /// The least margin of the drives. It is negative when a status, the integer that says which form of a
-  /// drive's law holds, must change; it is 1 if there are no statuses.
+  /// The least margin of the drives. It is negative when a status, the integer that selects a branch of a
+  /// drive's law, must change; it is 1 if there are no statuses.
   double least_margin(const Point& at);
   /// The poses of frames, given by indices, with 12 numbers each: columns of the rotation, then position.
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
   /// The derivatives of the equations of motion at the time, the state (q, v, x), the drive forces and the
   /// wrenches of `at`; x are the states of drives. The rows are those of q', v', x' and the poses of `frames`
-  /// (12 numbers each), one below the other. The columns are the derivatives by q, v, x, the drive forces and
-  /// the wrenches (6 numbers for each loaded frame). The derivatives are exact as long as no drive changes
-  /// the form of its law, no joint begins to stick or slide and no play (backlash of a coupling) opens or
-  /// closes, but do not contain losses of gears.
+  /// (12 numbers each), one below the other. The columns are the derivatives by the nq coordinates q (for a
+  /// quaternion, by its four components before it is normalised), by v, by x, by the drive forces (nv) and by
+  /// the wrenches (6 numbers for each loaded frame). The derivatives are exact as long as no drive changes to
+  /// another branch of its law, no joint begins to stick or slide and no play (backlash of a coupling) opens
+  /// or closes, but do not contain losses of gears.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);

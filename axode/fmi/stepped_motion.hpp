@@ -19,19 +19,21 @@ inline bool moves_with_contact(const Model& model) {
   return has_shapes_that_touch(model) || has_hard_stops(model);
 }
 
-/// A motion in a co-simulation, integrated from one communication point to the next as by simulate(): loops
-/// are closed at the end of each step, and steps end where dry friction, drives or couplings with play
-/// change. If the mechanism moves with contact, it is integrated as by simulate_contact() instead. Drive
-/// forces and loads are constant between communication points.
+/// A motion in a co-simulation, integrated from one communication point to the next as by simulate(). Loops
+/// are closed at the end of each step. A step also ends where a joint begins to stick or to slide, a drive
+/// changes to another branch of its law (for example at a limit), or a play (backlash of a coupling) reaches
+/// or leaves an end. If the mechanism moves with contact, it is integrated as by simulate_contact() instead.
+/// Drive forces and loads are constant between communication points.
 class SteppedMotion {
  public:
   using Span = std::span<const double>;
 
-  /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description.
-  /// `tolerance` is the relative tolerance of adaptive steps. If it is empty, the default tolerances of
-  /// simulate() hold; a motion with contact then takes equal steps between two communication points, none of
-  /// which is longer than the default step of the method `contact`. Throws std::invalid_argument for a state
-  /// in which a motion cannot start, and if t is not 0 and the mechanism has prescribed motions or drives.
+  /// Starts at the state (q, v) at time t (s). The states of drives begin at the values in the description of
+  /// the model; those without a value are chosen by the law of the drive. `tolerance` is the relative
+  /// tolerance of adaptive steps. If it is empty, the default tolerances of simulate() hold; a motion with
+  /// contact then takes equal steps between two communication points, none of which is longer than the
+  /// default step of the method `contact`. Throws std::invalid_argument for a state in which a motion cannot
+  /// start, and if t is not 0 and the mechanism has prescribed motions or drives.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
                 std::optional<double> tolerance);
   /// A copy continues independently; both write their forces to one memory before they integrate.
@@ -47,8 +49,7 @@ class SteppedMotion {
   Span v() const { return {run_.v.data(), static_cast<std::size_t>(run_.v.size())}; }
   /// The accelerations; after a step of a motion with contact, their means over the last step.
   Span a() const { return {run_.a.data(), static_cast<std::size_t>(run_.a.size())}; }
-  /// The drives with their present inputs and statuses, the integers that say which form of a drive's law
-  /// holds.
+  /// The drives with their present inputs and statuses, the integers that select a branch of a drive's law.
   const DriveSystem& drives() { return run_.drives().system(); }
   const DryFriction& friction() const { return run_.friction(); }
   Span x() { return {run_.drives().x.data(), run_.drives().size()}; }

@@ -55,8 +55,10 @@ struct Parameter {
   /// derivatives, at constant a, of the joint forces of inverse dynamics minus those of springs. These are
   /// difference quotients, which are exact to rounding if the forces are at most quadratic in the parameter.
   bool has_derivative = true;
-  /// The step of the difference quotients, relative to the magnitude of the parameter unless that is 0. It is
-  /// small if the forces have kinks.
+  /// The step of the parameter in the difference quotients of joint forces by the parameter. It is relative
+  /// to the magnitude of the parameter or, if the parameter is 0, in the unit of the parameter. It is small
+  /// for springs that act in one direction only, because their forces are not differentiable where they begin
+  /// to act.
   double step = 0.25;
 };
 
