@@ -103,9 +103,10 @@ class ContactPhase {
   /// sliding velocity, and those with the branch `stick` must be at rest.
   std::string decide(const Vector& q, const Vector& v, const Forces& forces);
 
-  /// Begins the phase with the constraints `next`. A contact that stuck before and slides in `next` begins to
-  /// slide opposite to its present friction force, unless its direction in `next` is clearly another one or
-  /// the friction forces are not unique.
+  /// Begins the phase with the constraints `next`. The direction of sliding of a contact that stuck before
+  /// and slides in `next` becomes opposite to its present friction force. The direction in `next` is kept if
+  /// it differs clearly from this one (the cosine of the angle between them is below 0.99), or if the
+  /// friction forces are not unique.
   void take_next(const std::vector<ClosedConstraint>& next);
 
   /// A constraint with an impulse in an impact.
@@ -183,9 +184,10 @@ class ContactPhase {
   /// set, lists only those that constrain q: the rows of closed contacts and stops, and of loop equations
   /// with a position level.
   std::vector<int> held_rows(bool of_places) const;
-  /// Computes the least x with Rᵀ x = -u, where R has the columns of Y_ for the given rows (D11.30). x is a
-  /// change of the motion, in coordinates in which the mass matrix is the identity, that changes the gaps or
-  /// velocities u of these rows to 0.
+  /// Computes the vector x of least norm with Rᵀ x = -u for the given constraint rows (D11.30). x is a change
+  /// of the motion, in coordinates in which the mass matrix is the identity, and changes the gaps or
+  /// velocities u of these rows to 0. The columns of R are those of Y_ = D^-½ L⁻ᵀ Jᵀ for the rows, with the
+  /// Jacobian J of all constraint rows and the mass matrix Lᵀ D L.
   Vector correction(const std::vector<int>& rows, const Vector& u) const;
   double limit_of(const ClosedConstraint& c) const;  ///< friction of a dry joint, N m or N
 

@@ -358,9 +358,10 @@ void ExactContactRun::add_event(const ContactPhase::Impact& it, double t) {
                                        .shortened = it.shortened});
 }
 
-/// Adds an event at time t for each contact, stop and joint with friction that has closed, opened, or begun,
-/// ceased or reversed sliding, between the list `before` and the present list of closed constraints. `met`
-/// are the impacts at this time. stopped[k] says whether the sliding velocity of constraint k of `before` has
+/// Adds the events at time t. Each impact in `met` is an event: a bounce, or a closure. Further events are
+/// those of contacts, stops and joints with friction that have closed or opened without an impact, or have
+/// begun, ceased or reversed sliding. They follow from a comparison of the list `before` with the present
+/// list of closed constraints. stopped[k] says whether the sliding velocity of constraint k of `before` has
 /// become 0.
 void ExactContactRun::note_changes(double t, const std::vector<ClosedConstraint>& before,
                                    const std::vector<ContactPhase::Impact>& met,

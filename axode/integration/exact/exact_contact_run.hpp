@@ -30,8 +30,11 @@ class ExactContactRun : public SimulationRun {
     std::vector<double> slips = {}, speeds = {};
     std::vector<Gap> gaps = {};
   };
-  /// The part of a step in which the gap of a contact is watched: from the time `from` on. `from` is infinite
-  /// for a contact that has just opened and does not close in this step.
+  /// For a contact or stop that is open at the start of a step: the time `from` (s, of the motion) after
+  /// which a negative gap counts as a closure, and the predicted time `closes` at which the gap becomes
+  /// negative. `closes` is infinite if the gap does not become negative in the step. `from` is minus
+  /// infinity, except if the contact has just opened: rounding may then make its gap negative, and `from` is
+  /// a time just before the predicted closure, or infinite.
   struct Window {
     double from, closes;
   };
