@@ -33,8 +33,10 @@ struct [[nodiscard]] ContactSensitivity {
   bool ok() const { return !failure; }
 };
 
-/// Numbers for the parameters of a mechanism with n shapes and b bodies, such as changes of the parameters or
-/// gradients of an objective by them. Each span may be empty.
+/// Numbers for the parameters of a mechanism with n collision shapes and b moving bodies, such as changes of
+/// the parameters or gradients of an objective by them. The parameters are the surfaces of the shapes
+/// (friction, restitution, thickness of a layer), the placement of the shapes, the inertia of the bodies, and
+/// the geometry of the tree. Each span may be empty.
 template <class T> struct ContactParameters {
   /// The surfaces of the n shapes, 3 n numbers: n for the coefficients of friction, n for the restitution,
   /// and n for the thickness of a layer on each shape (m). A change of this thickness moves the surface of
@@ -48,9 +50,9 @@ template <class T> struct ContactParameters {
   /// The inertia of the b moving bodies, 10 b numbers: the inertial parameters of each body, see
   /// inertial_parameters.hpp (kg, kg m, kg m²).
   std::span<T> inertia = {};
-  /// Changes of the geometric parameters of the tree, or derivatives by them: 6 b numbers for b moving
-  /// bodies. The six parameters of a body displace the body with its subtree along six unit screws, angular
-  /// before linear (rad and m), see geometry_derivatives.hpp. For models with loops or with springs between
+  /// The geometric parameters of the tree, 6 b numbers. The six parameters of a body displace its joint and
+  /// its subtree relative to the predecessor (rad and m), along the unit screws, angular before linear, of
+  /// the frame that the body has while its joint is at zero. For models with loops or with springs between
   /// frames the span must be empty, or std::invalid_argument is thrown.
   std::span<T> geometry = {};
 };
@@ -91,7 +93,7 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        const Monitor& monitor = {},
                                        const ContactParameters<const double>& parameters = {});
 
-/// Backward differentiation of a motion of K steps with contact. From the gradients w_q and w_v of an
+/// Reverse-mode differentiation of a motion of K steps with contact. From the gradients w_q and w_v of an
 /// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes the gradients of the
 /// objective by the other quantities: `gradient` receives the gradients by the initial q and v and by the
 /// drive forces. Each span of `by_parameters` that is not empty receives the gradients by the parameters of

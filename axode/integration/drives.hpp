@@ -110,8 +110,8 @@ class ProportionalDerivative : public Tracking {
 /// In a mechanism with loops or passive joints, the control law defines the accelerations of the driven
 /// joints only, and passive joints have no force. If the drives cannot produce these accelerations, the
 /// controller uses the nearest ones that they can produce: it minimises the sum of the squared differences,
-/// each divided by the acceleration that a unit force of its drive causes. τ is NaN if the mass matrix is
-/// singular. Each call then allocates and takes O(nv³ + nv d²) for d drives.
+/// each divided by the acceleration that a unit force of its drive causes. In such a mechanism, τ is NaN if
+/// the mass matrix is singular, and each call allocates and takes O(nv³ + nv d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
@@ -121,8 +121,9 @@ class ComputedTorque : public Tracking {
 
  private:
   /// Replaces the accelerations x_ (nv) of the control law by accelerations of all joints that the drives can
-  /// produce. Of these, the accelerations of the driven joints are nearest to the control law by weighted
-  /// least squares. Returns false if the mass matrix is singular or a result is not finite.
+  /// produce. These minimise the sum, over the driven joints, of the squared difference from the control law
+  /// divided by the acceleration that a unit force of the joint's drive causes. Returns false if the mass
+  /// matrix is singular or a result is not finite.
   bool make_possible(std::span<const double> q, std::span<const double> v);
 
   Workspace<> workspace_;

@@ -55,10 +55,11 @@ class DryFriction {
   /// Finds the friction forces of sticking velocities and of gears with losses, which depend on the
   /// accelerations. In the call, a (nv numbers) are the accelerations without these forces; their effect is
   /// added to it. `compliance` has the columns of Φ = ∂a/∂τ for these velocities, and `own` the acceleration
-  /// of each of them under a unit force if the loops are open. `norm` measures accelerations for the
-  /// tolerances. `drive` has the drive forces that pass through gears (nv numbers); it is read only if a gear
-  /// has losses. Returns -1 if the accelerations are unique. Otherwise returns the index of the velocity of a
-  /// gear that is too strongly self-locking (D9.12).
+  /// of each of them under a unit force if the loops are open. `norm` is the weighted norm √Σ m_c a_c² of all
+  /// accelerations, with estimated inertias m_c. The tolerance within which the acceleration of a sticking
+  /// joint counts as 0 grows with it. `drive` has the drive forces that pass through gears (nv numbers); it
+  /// is read only if a gear has losses. Returns -1 if the accelerations are unique. Otherwise returns the
+  /// index of the velocity of a gear that is too strongly self-locking (D9.12).
   [[nodiscard]] int apply_friction(const Matrix& compliance, Span own, const EnergyNorm& norm, Span v,
                                    Span drive, std::span<double> a);
   /// Adds the losses of moving gears to the residuals r = ID(q, v, a) - τ (nv numbers) of the equations of
@@ -67,8 +68,9 @@ class DryFriction {
   /// Adds the derivatives of the gear losses, as add_gear_losses() computed them last, to derivatives of the
   /// residuals ID(q, v, a) - τ with inverse dynamics ID. `derivatives` are nv × nv matrices [residual,
   /// direction]. The first matrix has the derivatives by a; the others, in any number and order, have the
-  /// derivatives by other variables, such as q or v. At given q, v and a the losses do not depend on the
-  /// forces of drives and damping, so the derivatives of these forces must be added after the call.
+  /// derivatives by other variables, such as q or v. On entry they must not contain the derivatives of the
+  /// forces of drives and damping, because the losses do not depend on these forces at given q, v and a.
+  /// These derivatives must be added after the call.
   void scale_derivatives(std::initializer_list<std::span<double>> derivatives) const;
 
   /// Adapts derivatives of the accelerations to sticking joints: after the call they hold under the condition
@@ -127,14 +129,15 @@ class DryFriction {
   }
   int apply_with_gears(const Matrix& compliance, Span own, const EnergyNorm& norm, Span v, Span drive,
                        std::span<double> a);
-  /// Factorises the rows and columns of Φ = ∂a/∂τ of those friction forces that are inside their bounds.
+  /// Factorises the rows and columns of Φ = ∂a/∂τ that belong to the friction forces inside their bounds.
   /// Because Φ may be singular, 1e-12 `size` is added to its diagonal, where `size` is the magnitude of its
   /// entries.
   void factorize(double size);
   /// Computes the friction forces x of sticking joints and their accelerations a_0 + Φ x, with Φ = ∂a/∂τ and
-  /// the accelerations a_0 without these forces. The iteration begins with the forces of the previous call.
-  /// `size`, the scale of the regularisation in factorize(), is the largest acceleration of one of these
-  /// joints by a unit force on it if the loops are open.
+  /// the accelerations a_0 without these forces. The active-set iteration, which finds the forces that are at
+  /// their bounds, begins with the forces of the previous call. `size` is the largest acceleration of one of
+  /// these joints by a unit force on it if the loops are open. factorize() adds 1e-12 `size` to the diagonal
+  /// of Φ, because Φ may be singular.
   void find_forces(double size);
 
   const Tree<double>* tree_;

@@ -120,13 +120,14 @@ Trajectory simulate_half_explicit(const Model& model, std::span<const double> q,
 /// Integrates configuration and momenta (q, p) by the midpoint rule on the group (order 2) or its
 /// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.5) of docs/derivations. The implicit method is
 /// symmetric, and symplectic if forces have a potential (and no joint of several velocities has armatures),
-/// so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. The spatial
-/// momentum of a floating base with its subtree or, under gravity, its angular momentum about its centre of
-/// mass and its linear momentum, are exact to rounding. Impulses at both ends of a step close the loops in
-/// positions and velocities (D8.7). A step that does not converge ends the motion. Throws
-/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
-/// finite, until < 0 or step <= 0, other orders, events, dry friction, elastic stops, rolling contacts, belts
-/// and absolute coordinates.
+/// so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. If only gravity
+/// acts on a floating base (a root body on a free joint without armature) and its subtree from outside, its
+/// linear momentum and its angular momentum about its centre of mass are exact to rounding; without gravity
+/// also its spatial momentum. Impulses at both ends of a step close the loops in positions and velocities
+/// (D8.7). A step that does not converge ends the motion. Throws std::invalid_argument for a wrong size, a
+/// quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, other orders,
+/// events, dry friction, elastic stops, rolling contacts, belts and options that ask for absolute
+/// coordinates.
 Trajectory simulate_symplectic(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
@@ -136,17 +137,21 @@ Trajectory simulate_symplectic(const Model& model, std::span<const double> q, st
 /// has a number that says how exactly. Joints have damping and dry friction if joint_losses is set. Loops are
 /// closed at the ends of steps. The step has impulses at both of its ends, with the midpoint rule for the
 /// free motion in between (D11.12). It is of second order while no contact begins or ends, and of first order
-/// through impacts. Momenta of floating bases are exact to rounding. Throws std::invalid_argument for a wrong
-/// size, a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, absolute
-/// coordinates, and collision shapes that contact cannot use, such as a mesh without a convex hull.
+/// through impacts. Between the impulses, the momenta of a floating base (a root body on a free joint without
+/// armature) and its subtree are exact to rounding if only gravity acts on them. Throws std::invalid_argument
+/// for a wrong size, a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <=
+/// 0, options that ask for absolute coordinates, and collision shapes that contact cannot use, such as a mesh
+/// without a convex hull.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const SimulationOptions& options = {});
 
-/// Integrates configuration and momenta (q, p) with an explicit Runge-Kutta-Munthe-Kaas method. The momenta
-/// of floating bases are exact to rounding, but the method is not symplectic. Loops are closed again after
-/// each step; rolling contacts are allowed. Throws std::invalid_argument for a wrong size, a quaternion that
-/// is not of unit norm, a number that is not finite, until < 0 or step <= 0, events, dry friction, elastic
-/// stops and absolute coordinates.
+/// Integrates configuration and momenta (q, p) with an explicit Runge-Kutta-Munthe-Kaas method. If only
+/// gravity acts on a floating base (a root body on a free joint without armature) and its subtree from
+/// outside, its linear momentum and its angular momentum about its centre of mass are exact to rounding, but
+/// the method is not symplectic. Loops are closed again after each step; rolling contacts are allowed. Throws
+/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
+/// finite, until < 0 or step <= 0, events, dry friction, elastic stops and options that ask for absolute
+/// coordinates.
 Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const Tableau& method = runge_kutta(4),
                             const SimulationOptions& options = {});

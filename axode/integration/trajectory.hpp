@@ -124,8 +124,9 @@ class Trajectory {
   /// In absolute coordinates, for each end of a step: kinetic energy plus potential energy of gravity, J.
   std::vector<double> body_energies;
 
-  /// For each step of a motion with contact, the relative error of the laws of contact: the velocities that
-  /// the error of the impulses causes, divided by all velocities, both measured by √(vᵀ M v) with the mass
+  /// For each step of a motion with contact, the relative error of the laws of contact: the norm of the
+  /// velocities that the error of the impulses causes, divided by the sum of the norms of the velocities
+  /// without impulses and of those that the impulses add. The norm of velocities v is √(vᵀ M v) with the mass
   /// matrix M. Rounding errors make it about 1e-12.
   std::vector<double> certificates;
   /// The names of the collision shapes in a motion with contact, in the order of their numbers in contacts.

@@ -46,8 +46,9 @@ Solvability rollout_derivatives_with_drives(const Model& model, const DriveSyste
                                             const Tableau& method = runge_kutta(4),
                                             const std::function<bool()>& monitor = {});
 
-/// Displacements of the initial state q, v and x (the states of the drives), of the drive forces τ (K rows of
-/// nv numbers), and of the inputs u of the drives (K rows of nu numbers).
+/// Displacements of the data of a motion of K steps: of the initial q and v (nv numbers each) and x (the nx
+/// states of the drives), of the drive forces τ (K rows of nv numbers, one row for each step), and of those
+/// nu inputs u of the drives that are functions of time (K rows of nu numbers).
 struct DriveTangents {
   std::span<const double> q, v, x, tau, u;
 };
@@ -63,13 +64,15 @@ Solvability rollout_jvp_with_drives(const Model& model, const DriveSystem& drive
                                     const Loads<double>& loads = {}, const Tableau& method = runge_kutta(4),
                                     const std::function<bool()>& monitor = {});
 
-/// Receives the gradients of an objective by the initial state, the drive forces and the inputs.
+/// Receives the gradients of an objective by the initial q, v and x (the states of the drives), by the drive
+/// forces (K rows of nv numbers for K steps) and by those nu inputs that are functions of time (K rows of nu
+/// numbers).
 struct DriveGradients {
   std::span<double> q, v, x, tau, u;
 };
-/// Backward differentiation of a motion of K steps: from the gradients w of an objective by all K + 1 states,
-/// computes its gradients by the initial state, the drive forces (K rows of nv numbers) and the inputs (K
-/// rows of nu). Stores the matrices of derivatives of every step.
+/// Reverse-mode differentiation of a motion of K steps: from the gradients w of an objective by all K + 1
+/// states, computes its gradients by the initial state, the drive forces (K rows of nv numbers) and the
+/// inputs (K rows of nu). Stores the matrices of derivatives of every step.
 Solvability rollout_vjp_with_drives(const Model& model, const DriveSystem& drives, double t,
                                     std::span<const double> q, std::span<const double> v,
                                     std::span<const double> x, std::span<const double> tau, double step,
