@@ -8,9 +8,10 @@ namespace axode {
 /// rows of nv numbers, 1 to 7 rows) along a motion, which is given by q and the rates v, v', v'', ...
 /// (`rates`, K + 1 rows of nv numbers). `drives` has the indices of the velocities on which drives act; if it
 /// is empty, all joints that are not passive have drives. If there are more drives than the mechanism needs,
-/// τ is the least one, and the other rows are its derivatives. One linear system is solved for each order,
-/// all with the same matrix (D3.14). Returns the norm of the forces that no drive can produce, divided by the
-/// norm of all required forces: the largest of all orders.
+/// the τ with the least Euclidean norm is computed, and the other rows are its time derivatives. One linear
+/// system is solved for each order, all with the same matrix (D3.14). Returns the norm of the forces that no
+/// drive can produce, divided by the norm of all required forces, for the order for which this ratio is
+/// largest.
 ///
 /// Throws std::invalid_argument for wrong sizes, more than 7 rows of forces, numbers that are not finite, and
 /// a motion of which some derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for m loop

@@ -4,8 +4,9 @@
 
 namespace axode {
 
-/// The wanted motion of a place, a frame or a point on a body: its twist V and the time derivatives V', V'',
-/// ... of the twist's components in the representation Rep.
+/// The wanted motion of a place, which is a frame on a body: the twist V of the frame, and the time
+/// derivatives V', V'', ... of the components of V in the representation Rep. If the place is given as a
+/// point of another frame, its frame has the axes of that frame and its origin at the point.
 template <RecursionRepresentation Rep = BodyFixed> struct TwistTarget {
   Place<> place;
   std::span<const TwistRate<Rep>> V;

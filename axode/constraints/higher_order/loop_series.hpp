@@ -23,7 +23,8 @@ class LoopSeries {
   /// `rates`, which are v, v', ... (order + 1 rows of nv numbers). The last row of `rates` has no effect.
   void run(const double* q, const double* rates) noexcept;
 
-  /// The derivative A^(k) of the rows at the last run(), loops().rows × nv.
+  /// The time derivative A^(k) of the Jacobian of the loop equations that the last run() computed,
+  /// loops().rows × nv.
   const Eigen::MatrixXd& derivative(int k) const { return A_[static_cast<std::size_t>(k)]; }
   /// Computes the time derivative (A v)^(k) of the loop equations A v = 0, without its term A v^(k).
   Eigen::VectorXd known_terms(const double* rates, int k) const;
@@ -31,10 +32,11 @@ class LoopSeries {
  private:
   using Series = Taylor<double, largest_order + 1>;
 
-  /// about() returns the power series in time of a joint screw about a point O, from the coefficients X of
-  /// the series about the origin of its root body (the first body on the path from the ground).
-  /// frame_series() returns the power series of the frame of a loop joint about O. `shift` is the origin of
-  /// the root body minus O.
+  /// about() returns the power series in time of a joint screw about a fixed point O. X has the coefficients
+  /// of the series of this screw about another fixed point, the position at t = 0 of the origin of its root
+  /// body (the first body on the path from the ground). frame_series() returns the power series of the frame
+  /// of a loop joint, with the position relative to O. `shift` is the constant vector from O to the position
+  /// of the origin of the root body at t = 0.
   Screw<Series> about(const Vec3<>& shift, const Screw<>* X) const;
   SE3<Series> frame_series(const Loop::End& end, const Vec3<>& shift);
 
