@@ -43,10 +43,11 @@ template <class G, class T> struct FastArticulatedBodies {
     Vector w, dw, a;
     Factor w_, dw_;
   };
-  /// An eliminated joint screw S = (w; v) with U = M S, where M is the articulated inertia, and the pivot D.
-  /// K = U/D is the wrench on the predecessor for a unit joint force; for a hinge it is about the
-  /// predecessor's origin, and (w; v) is not stored. u is D⁻¹ times the joint force that remains after the
-  /// bias wrench (D4.12, D4.13).
+  /// An eliminated joint screw S = (w; v), in inertial axes about the origin of the body that the joint
+  /// moves, with U = M S, where M is the articulated inertia, and the pivot D. K = U/D is the wrench on the
+  /// predecessor for a unit joint force, about the origin of the body. For a hinge, K is about the origin of
+  /// the predecessor instead, and (w; v) is not stored. u is the joint force minus S | W, divided by D, with
+  /// the bias wrench W (D4.12, D4.13).
   struct Pivot {
     Vector K_m, K_f, w, v;
     Number D_inv, u;
@@ -251,7 +252,7 @@ template <class G, class T> struct FastArticulatedBodies {
   }
 
   /// The backward sweep: it eliminates the joints and, if `forces`, computes u of every joint from `tau`. u
-  /// is the joint force that remains after the bias wrench, divided by the pivot (see Pivot).
+  /// is the joint force minus S | W, divided by the pivot, with the joint screw S and the bias wrench W.
   template <bool forces, class S> void sweep(const Tree<S>& tree, const T* tau) noexcept {
     Articulated M{};
     Vector m{}, f{};

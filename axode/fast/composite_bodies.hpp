@@ -63,10 +63,10 @@ template <class T> struct FastCompositeBodies {
     }
   }
 
-  /// Writes the mass matrix M, nv × nv, armatures included. For i <= j, M_ij is the product S_iᵀ F_j if
-  /// velocity i moves the joint of velocity j, and 0 otherwise, with the joint screws S and the impulse F_j
-  /// that gives the subtree of joint j the twist S_j. The entries below the diagonal are equal to those
-  /// above.
+  /// Writes the mass matrix M, nv × nv, armatures included. For i <= j, M_ij is the product S_iᵀ F_j if the
+  /// velocities i and j belong to one joint, or if the joint of i is on the path from the ground to the joint
+  /// of j; otherwise M_ij is 0. S are the joint screws, and F_j is the impulse that gives the subtree of
+  /// joint j the twist S_j. The entries below the diagonal are equal to those above.
   template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     if constexpr (L::width == 1) {
@@ -93,8 +93,9 @@ template <class T> struct FastCompositeBodies {
     for (int i = 0; i < tree->nv; ++i) out[i * nv + i] += T(tree.armature[i]);
   }
 
-  /// Writes only the entries M_ij of the mass matrix for which j = i, or for which velocity j moves the joint
-  /// of velocity i. Armatures are included.
+  /// Writes only entries M_ij of the mass matrix with j <= i: those for which the velocities i and j belong
+  /// to one joint, or the joint of j is on the path from the ground to the joint of i. Armatures are
+  /// included.
   template <class Real> void write_paths(const Tree<Real>& tree, T* out) const noexcept {
     static_assert(L::width == 1);
     const Arrays<T> several = S;

@@ -141,10 +141,12 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
            const Vec3<T>& g) noexcept {
     run(tree, q, v, a, loads, g, [](int, const auto&, const auto&) {});
   }
-  /// Computes the wrenches on all bodies under gravity g and the loads. Calls put(i, motion, v_J) for every
-  /// body i. `motion` has the angular velocity and acceleration of the body and the acceleration of its
-  /// origin, if the ground has the acceleration -g. v_J is the linear part of the body's twist relative to
-  /// its predecessor. All are in the axes of the body.
+  /// Computes for each body the sum of the wrenches that its joints exert on it: the resultant wrench of its
+  /// motion, with the acceleration -g of the ground for gravity, minus the wrenches of loads on it. The sums
+  /// are about the origin of the body, in its axes. Calls put(i, motion, v_J) for every body i. `motion` has
+  /// the angular velocity and acceleration of the body and the acceleration of its origin, if the ground has
+  /// the acceleration -g. v_J is the linear part of the body's twist relative to its predecessor. All are in
+  /// the axes of the body.
   template <class Put>
   [[gnu::always_inline]] void run(const Tree<T>& tree, const T* q, const T* v, const T* a,
                                   const Loads<T>& loads, const Vec3<T>& g, Put&& put) noexcept {
@@ -161,9 +163,9 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
       fast.body[i].f -= W_app[i].f;
     }
   }
-  /// Writes the generalised forces τ (nv), once the wrenches on all bodies have been computed. They are the
-  /// components of the wrenches that the joints transmit along the joint screws, plus the forces of armatures
-  /// and, if joint_losses is set, of damping and friction. τ may share the memory of v or a.
+  /// Writes the generalised forces τ (nv), after run(). They are the components along the joint screws of the
+  /// wrenches that the joints transmit, plus the forces of armatures and, if joint_losses is set, of damping
+  /// and friction. τ may share the memory of v or a.
   void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {
     joint_terms(tree, v, a, joint_losses, own);
     for (int c = 0; c < tree->nv; ++c) tau[c] = own[c];

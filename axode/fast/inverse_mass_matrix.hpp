@@ -4,9 +4,10 @@
 namespace axode {
 
 /// The inverse mass matrix M⁻¹ from M = LᵀDL, for states in SIMD lanes. On trees with short paths this takes
-/// fewer operations than articulated bodies, and few digits are lost. L has an entry L_ci only if velocity i
-/// moves the joint of velocity c, and X = L⁻ᵀ has the transposed pattern. M⁻¹_ij = Σ_k X_ki X_kj / D_k,
-/// summed over the velocities k that move both i and j. O(n d²) for a tree of depth d.
+/// fewer operations than articulated bodies, and few digits are lost. The path of a velocity i has i itself,
+/// the earlier velocities of its joint, and the velocities of all joints between this joint and the ground.
+/// L_ci is 0 unless i is on the path of c, and X = L⁻ᵀ has the transposed pattern. M⁻¹_ij = Σ_k X_ki X_kj /
+/// D_k, summed over the velocities k that are on the paths of both i and j. O(n d²) for a tree of depth d.
 template <class T> struct FastInverseMassMatrix {
   static constexpr int longest_path = 16;
   static constexpr int most_velocities = 64;
@@ -27,8 +28,8 @@ template <class T> struct FastInverseMassMatrix {
         D_inv(arena.per_velocity<T>()),
         x(arena.per_velocity<T>()) {}
 
-  /// Replaces M (nv × nv) by M⁻¹. Only entries M_ij are read for which j = i, or for which velocity j moves
-  /// the joint of velocity i.
+  /// Replaces M (nv × nv) by M⁻¹. Reads only entries M_ij with j <= i: those for which the velocities i and j
+  /// belong to one joint, or the joint of j is on the path from the ground to the joint of i.
   template <class S> void run(const Tree<S>& tree, T* M) noexcept {
     factorize(tree, M);
     multiply(tree, M);
@@ -36,7 +37,8 @@ template <class T> struct FastInverseMassMatrix {
 
  private:
   /// Computes the pivots D_i of the mass matrix M = LᵀDL and the rows of X = L⁻ᵀ, from the last row to the
-  /// first. For row i it first computes x_c = -L_ci for the velocities c whose joints velocity i moves.
+  /// first. In the memory of M, row i becomes D_i L_ij = M_ij - Σ_c L_ci D_c L_cj for j <= i. Row i of X has
+  /// X_ii = 1 and X_ij = -Σ_c L_ci X_cj for j > i. The sums are over c > i, and x has the numbers -L_ci.
   template <class S> void factorize(const Tree<S>& tree, T* M) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();

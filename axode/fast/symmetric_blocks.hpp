@@ -32,8 +32,10 @@ template <class T>
 [[gnu::always_inline]] inline void store_row(const typename Lanes<T>::Number& x, int i, int j, int n, T* to) {
   if (i < n) Lanes<T>::store(x, to, (n - i) * n - j);
 }
-/// Stores a square block, whose rows are in SIMD registers, in rows i, i + 1, ... of a matrix M (n × n) from
-/// column j on. What a register has beyond the end of a row spills into the next row.
+/// Stores a square block, whose rows are in SIMD registers, in rows i, i + 1, ... of a matrix M (n × n, row
+/// by row) from column j on. Rows of the block below the last row of M are not stored. If the block has
+/// columns beyond the last one of M, the excess lanes of a register overwrite the first entries of the next
+/// row of M, so that these must be stored afterwards. Nothing is written beyond the end of M.
 template <class T>
 [[gnu::always_inline]] inline void store(const SquareBlock<T>& block, int i, int j, int n, T* M) {
   T* const to = M + static_cast<std::ptrdiff_t>(i) * n + j;
