@@ -145,9 +145,10 @@ Failure ContactMotion::take(double t_1, ComputedContactStep& step) {
 }
 
 /// The errors of a step of length h, as multiples of the tolerances: the root mean square of the differences
-/// between the ends of the whole step and of its two halves or, if larger, the displacement `unresolved` (m).
-/// By this displacement the end may be wrong because a contact began to stick at an unknown time in the step;
-/// the differences do not show such an error.
+/// between the ends of the whole step and of its two halves, each divided by its tolerance, or, if it is
+/// larger, the displacement `unresolved` (m) divided by the sum of the absolute and the relative tolerance.
+/// `unresolved` estimates an error that the differences do not show: a contact began to stick at an unknown
+/// time in the step.
 ContactMotion::Difference ContactMotion::difference(const ComputedContactStep& whole,
                                                     const ComputedContactStep& halves, double unresolved,
                                                     double h, const Tolerances& tolerances) {

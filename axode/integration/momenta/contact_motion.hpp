@@ -67,9 +67,11 @@ class ContactMotion {
   /// results may differ however short the step is. A step whose results differ is therefore taken under two
   /// conditions. First, shorter steps do not help: a step that was at least a hundred times longer and would
   /// have ended later than the present time was rejected, and its error was at most four times as large.
-  /// Second, the positions agree: in each coordinate, the difference between the two positions plus h times
-  /// that between the two velocities is compared with the tolerances, where h is the length of the step. A
-  /// step not longer than 1e-9 of the duration of the motion is always taken.
+  /// Second, the positions agree to the tolerances. In this comparison the error of each coordinate is the
+  /// magnitude of the difference between the two positions, plus h times the magnitude of the difference
+  /// between the two velocities, where h is the length of the step. Hence the velocities may differ by no
+  /// more than what displaces the mechanism by the tolerances in another step of this length. A step not
+  /// longer than 1e-9 of the duration of the motion is always taken.
   void take_steps(const Tolerances& tolerances);
   /// Lets a motion that has reached its end continue until a later time (s).
   void continue_until(double until);
@@ -84,7 +86,8 @@ class ContactMotion {
   /// Errors of a step as multiples of the tolerances.
   struct Difference {
     double of_all = std::numeric_limits<double>::infinity();
-    double of_places = of_all;  ///< only of positions, with h times those of velocities added
+    double of_places = of_all;  ///< as of_all, with the differences of velocities times h
+                                ///< added to those of positions
   };
   StepEnd present() const { return {.q = run_.q, .v = run_.v, .x = run_.drives().x}; }
   Failure take(double t_1, ComputedContactStep& step);

@@ -45,7 +45,8 @@ class ContactStep {
   /// not larger than the effect of rounding the positions does not count.
   double certificate = 0;
   bool touched = false;  ///< whether an impulse acted
-  /// The displacement (m) by which the end of the step may be wrong because a contact began to stick in it.
+  /// An estimate of the error of the end of the step, a displacement (m), that arises because a contact began
+  /// to stick at an unknown time in the step.
   double unresolved = 0;
   /// Whether run() stores in `kept` what a derivative of the step needs, one entry for each part of the step.
   bool keep_parts = false;
@@ -98,11 +99,12 @@ class ContactStep {
   /// velocities in its middle. If `choose` is true, also decides which contacts slide, and returns whether
   /// this decision changed.
   bool set_r_of_start(double h, bool choose);
-  /// Makes the constraint rows at the end of the free motion, between the impulses at the two ends of the
-  /// step, and computes the joint velocities there.
+  /// Makes the constraint rows for the configuration at the end of the step, and computes the joint
+  /// velocities there, before the impulses at the end. The free motion up to there begins after the impulses
+  /// at the start.
   Failure reach_end(double t, double h);
-  /// Finds the impulses at the end of the step, after the free motion, and the velocities after these
-  /// impulses.
+  /// Finds the impulses of contacts, stops, dry friction and loops at the end of the step, and the joint
+  /// velocities after these impulses. reach_end() must have been called.
   Failure land(double t);
   void set_r_of_end(double bounciness);
   void select_active();

@@ -158,12 +158,14 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
 
 /// Computes the velocities u of the constraint rows (of contacts, stops, dry friction and loops) that obey
 /// the laws of contact together with the impulses at the start of a substep (D11.13). A substep is a step or
-/// a part of one. For stops, loops and normals of contacts, u is the distance or residual at the end of the
-/// substep, less an overlap at its start, divided by the length of the substep. If a compliant contact has a
-/// normal impulse λ at the start, u is instead C (λ - h N/2) with the mean N of its normal force over the
-/// length h of the substep and a constant C > 0; this is 0, because the step has solved for such a λ
-/// (D11.28). For friction, u is the velocity in the middle of the substep, plus that at its start if the
-/// contact slides. Also computes the changes du of u (D11.21): k columns for the directions of
+/// a part of one. For a stop or a normal of a contact, u is the gap at the end of the substep, divided by the
+/// length h of the substep. If the gap was already negative at the start, beyond rounding, u is instead the
+/// change of the gap in the substep, divided by h. For a loop, u is the residual at the end, divided by h,
+/// or, if the loop constrains velocities alone, as a rolling contact does, the velocity in its equation; both
+/// are 0. If a compliant contact has a normal impulse λ at the start, u is instead C (λ - h N/2) with the
+/// mean N of its normal force in the substep and a constant C > 0; this is 0, because the step has solved for
+/// such a λ (D11.28). For friction, u is the velocity in the middle of the substep, plus that at its start if
+/// the contact slides. Also computes the changes du of u (D11.21): k columns for the directions of
 /// differentiation, at constant multipliers, and then a column for each multiplier with the derivative by it.
 /// A multiplier is the impulse of a row at the start, divided by the coefficient of friction if it is a
 /// friction row of a contact.

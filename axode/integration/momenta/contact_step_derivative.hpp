@@ -14,10 +14,12 @@
 
 namespace axode {
 
-/// Directions for the derivative of a step with contact: changes of drive forces, of the surfaces of shapes
-/// and of the parameters of the mechanism, a column for each of k directions. `tau` has nv rows. `friction`,
-/// `restitution` and `thickness` have a row for each shape, or are empty if surfaces do not change. The
-/// matrices in `parameters` have columns for the last p directions alone, or are empty.
+/// Directions for the derivative of a step with contact: changes of drive forces, of the surfaces of shapes,
+/// and of the parameters of the mechanism. The matrices `tau`, `friction`, `restitution` and `thickness` have
+/// a column for each of k directions. `tau` has nv rows; the other three have a row for each shape, or are
+/// empty if surfaces do not change. `parameters` has the changes of inertias, of geometric parameters, and of
+/// the placements of shapes on their bodies. Its matrices are empty, or have p <= k columns for the last p of
+/// the k directions; along the other directions parameters do not change.
 struct ContactDirections {
   Eigen::MatrixXd tau;             ///< drive forces, nv × k
   Eigen::MatrixXd friction;        ///< coefficient of sliding friction
@@ -39,15 +41,18 @@ class ContactStepDerivative {
   ContactStepDerivative(const Model& model, const ContactShapes& shapes, bool dry_friction, bool damping);
 
   /// Replaces the changes dq, dv (nv × k) of the state at the start of a substep (a step or a part of one) by
-  /// those at its end, along directions in which drive forces and surfaces may also change. dq is
+  /// those at its end, along k directions. Along these directions, drive forces, the coefficients of the
+  /// surfaces of shapes, and the parameters of the mechanism may change too (`directions`). dq is
   /// left-trivialised. Returns false if the points of a contact have no formula that can be differentiated;
   /// why() then says which. Allocates. O(n k + nv² k + m³) for m scalar constraints by contacts, stops, dry
   /// friction and loops.
   bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const ContactDirections& directions);
 
   const std::string& why() const { return why_; }
-  /// Whether all derivatives so far exist, and whether a contact, stop or dry friction was within rounding of
-  /// the boundary between two branches of its law, such as stick and slide.
+  /// Two flags on all calls of run() so far. `unique` says whether all derivatives exist; they may not exist
+  /// if contacts are redundant, so that the laws do not determine how they share a load. `at_kink` says
+  /// whether a contact, stop or dry friction was within rounding of the boundary between two branches of its
+  /// law, such as stick and slide; the derivatives are then those of the branch that the step took.
   bool unique = true, at_kink = false;
 
  private:
@@ -73,9 +78,10 @@ class ContactStepDerivative {
   };
   /// A list of contacts, evaluated in one configuration. For each contact, `jets` has the point, the normal
   /// and the gap with their derivatives by a displacement of one body relative to the other, and `axes` has
-  /// its axes. `changes` and `daxes` have the changes of the point, the normal, the gap and the axes along
-  /// the directions of differentiation. `found` says whether the gap of the contact in this configuration is
-  /// below the margin. If it is not, find() leaves the entries of the contact in `jets` and `changes` empty.
+  /// the normal and two tangents, along which its velocities are resolved. `changes` and `daxes` have the
+  /// changes of the point, the normal, the gap and these axes along the directions of differentiation.
+  /// `found` says whether the gap of the contact in this configuration is below the margin. If it is not,
+  /// find() leaves the entries of the contact in `jets` and `changes` empty.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};

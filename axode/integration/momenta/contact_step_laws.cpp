@@ -101,8 +101,8 @@ double ContactStep::rounding_error(double h) const {
   return resolution * (place + size_) / h * std::sqrt(weights) / size;
 }
 
-/// The largest displacement (m) by which the end of the step may be wrong because a contact began to stick at
-/// an unknown time in the step.
+/// Estimates the error of the end of the step, a displacement (m), that arises if a contact began to stick in
+/// the step, because the time at which it did is unknown. Returns the largest estimate of all contacts.
 double ContactStep::unresolved_slip(double h) const {
   double most = 0;
   const VelocityProblem& problem = start_.system.problem();
