@@ -39,9 +39,10 @@ class AndersonIteration {
 
   /// Takes a step of the iteration. x is given in parts, such as velocities and multipliers, each with its
   /// part of dx, the change of x by the iteration without acceleration. The next x replaces x. The iteration
-  /// has converged if the first part of dx is a rounding error of numbers of the magnitude `size`. It has
-  /// also converged if this part is small, has not halved in four steps, and is_rounding() says that it
-  /// consists of rounding errors. x then becomes the x + dx of the step with the least dx so far.
+  /// has converged if the norm of the first part of dx is a rounding error of numbers of the magnitude `size`
+  /// (2e-14 `size`). It has also converged if this norm has fallen below 1e-7 `size` and has not halved in
+  /// four steps, and if is_rounding() says that it consists of rounding errors. In both cases x becomes the x
+  /// + dx of the step in which this norm was least.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     const bool stalled = read(size, parts);
     return advance(size, parts, stalled && is_rounding());
@@ -51,7 +52,8 @@ class AndersonIteration {
   }
 
  private:
-  /// Reads x and dx. Returns whether the first part of dx is small and has not halved in four steps.
+  /// Reads x and dx. Returns whether the norm of the first part of dx has fallen below 1e-7 `size` and has
+  /// not halved in four steps.
   bool read(double size, std::initializer_list<Part> parts);
   Status advance(double size, std::initializer_list<Part> parts, bool is_rounding);
   /// The combination of the results of the last steps, for n measured numbers.

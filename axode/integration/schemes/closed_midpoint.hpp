@@ -19,16 +19,18 @@ namespace axode {
 ///
 /// System is the class of the mechanism. Its member functions are those that Midpoint requires;
 /// closed_model(), the model in which prescribed motions are loop equations as well; motion_rows(t), the
-/// right sides of the equations of the prescribed motions at time t; and checked(t, solvability), which
-/// returns a Failure at time t if a matrix was singular.
+/// right sides s, s' and s'' (positions, velocities and accelerations) of the equations of the prescribed
+/// motions at time t; and checked(t, solvability), which returns a Failure at time t if a matrix was
+/// singular.
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;
 
   explicit ClosedMidpoint(System& system) : ClosedMidpoint(system, system.closed_model()) {}
 
-  /// Computes the step from (q0, p0), where loops are closed, at time t over h, which may be negative. v must
-  /// contain a first guess. The results are in the public members.
+  /// Computes the step of length h (s), which may be negative, from time t and the state (q0, p0), in which
+  /// loops must be closed. Before the call, v must contain a first guess of the velocity in the middle of the
+  /// step. The results are in the public members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
     constexpr auto places = ConstraintLevel::position;

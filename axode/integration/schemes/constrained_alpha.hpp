@@ -97,9 +97,9 @@ template <class System> class ConstrainedAlpha {
   Vector q, v, lambda;
 
  private:
-  /// Computes q, v and the auxiliary acceleration â of the method at the end of the step from the
-  /// acceleration a_1_ and from moved_, the displacement M⁻¹ Bᵀ η by multipliers η of the position
-  /// constraints with the Jacobian B.
+  /// Computes q, v and the auxiliary acceleration â of the method at the end of a step of length h. They
+  /// follow from a_1_, the acceleration at the end of the step, and from moved_, the displacement M⁻¹ Bᵀ η
+  /// with the mass matrix M and multipliers η of the position constraints with the Jacobian B.
   void end_with(double h) {
     v_1_.resize(v.size());
     Eigen::Map<Eigen::VectorXd> v_1 = as_eigen(v_1_);

@@ -39,10 +39,9 @@ class FloatingBases {
     momenta_->run(*kernel_, v);
     for (Root& root : roots_) set_frame(root, momenta_->Pi[root.body].p, wrenches);
   }
-  /// Begins the motion of the moving frames: lets them coincide with the inertial frame at time t, and
-  /// computes the centres of mass of the floating bases at the configuration q. The coordinates of floating
-  /// bases are relative to these frames, which do not rotate and fall with gravity. start() then sets the
-  /// velocities of the frames.
+  /// Begins the motion of the moving frames of floating bases, which do not rotate and fall with gravity:
+  /// lets them coincide with the inertial frame at time t. start() then sets their velocities. Also computes,
+  /// for restore_centers(), the centre of mass of each floating base with its subtree at the configuration q.
   void place(double t, const double* q) {
     begin_ = t;
     kernel_->run(*tree_, q);
@@ -66,8 +65,9 @@ class FloatingBases {
   }
   /// The gravity (m/s²) that acts on each root body and its subtree, indexed by bodies: 0 for floating bases.
   std::span<const Vec3<>> gravity() const { return gravity_; }
-  /// Calls f(body, constant) for each floating base; constant: whether the centre of mass of its subtree
-  /// rests in its moving frame.
+  /// Calls f(body, constant) for each floating base. `constant` says whether the centre of mass of the base
+  /// with its subtree is at rest in the moving frame of the base, which does not rotate and falls with
+  /// gravity.
   template <class F> void each(const F& f) const {
     for (const Root& root : roots_) f(root.body, root.constant);
   }
@@ -100,16 +100,18 @@ class FloatingBases {
   }
   /// Computes the rates y' of the spatial momenta of the floating bases from f = p' - ad_vᵀ p with their
   /// joint momenta p. The momenta y and p are relative to the moving frames, which fall with gravity, so that
-  /// gravity does not change them. Hence y' is 0 unless a load or a drive acts on a floating base (`pushed`).
+  /// gravity does not change them. Hence y' is 0 unless loads act on the mechanism or a joint force acts on
+  /// one of the floating bases. `pushed` says whether this is so, for all floating bases together.
   void rates(const double* q, bool pushed, const double* f, double* dy) {
     for (Root& root : roots_) {
       write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);
       root.constant = root.constant && !pushed;
     }
   }
-  /// Advances the spatial momenta y of the floating bases by a time h (s): y becomes y + h y'. On entry f (nv
-  /// numbers) must contain p' - ad_vᵀ p with the joint momenta p. rates() computes y' from f, and y' replaces
-  /// the entries of f that belong to floating bases.
+  /// Advances the spatial momenta y of the floating bases by a time h (s): y becomes y + h y'. On entry the
+  /// six entries of each floating base in f (nv numbers) must contain p' - ad_vᵀ p, with the joint momenta p
+  /// and the twist v of the base relative to its moving frame. rates() computes y' from them, and y' replaces
+  /// them. The other entries of f do not change. For `pushed` see rates().
   void advance(const double* q, double h, bool pushed, double* f, double* y) {
     rates(q, pushed, f, f);
     for (const Root& root : roots_)

@@ -66,10 +66,11 @@ template <class System> class Midpoint {
     return iterate(t, h, q0, p0, enough, 0.1);
   }
   bool is_exact() const { return exact_; }
-  /// Prepares run_again() for a new step. If its last iteration converged slowly with Newton's matrix, the
-  /// next call computes this matrix anew. If its last iteration used the mass matrix, the next call
-  /// factorises the mass matrix anew, because the mechanism (System), which keeps the factors, may have
-  /// replaced them by those at another configuration.
+  /// Prepares run_again() for a new step. In a step, run_again() iterates with the factors of the mass matrix
+  /// or, if this converges slowly, of Newton's matrix. Factors of Newton's matrix are kept for the new step,
+  /// unless the last iteration with them converged slowly. Factors of the mass matrix are always computed
+  /// anew, because the mechanism (System), which stores them, may have replaced them by those at another
+  /// configuration.
   void renew_matrix() noexcept {
     renew_ = slowest_ > 0.02;
     if (matrix_in_use_ == MatrixKind::masses) matrix_in_use_ = MatrixKind::none;
@@ -84,8 +85,8 @@ template <class System> class Midpoint {
   }
   /// Forgets the matrix of earlier runs.
   void forget_matrix() noexcept { matrix_in_use_ = MatrixKind::none; }
-  /// Changes v by about as much as the solution changes if p0 changes by dp. Overwrites dp. Requires an
-  /// earlier call of run() or run_again().
+  /// Adds to v, the velocity in the middle of the step, about the change that it has if p0, the momenta at
+  /// the start of the step, change by dp. Overwrites dp. Requires an earlier call of run() or run_again().
   void follow(Vector& dp) {
     solve(dp);
     v += dp;
