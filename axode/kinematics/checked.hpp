@@ -64,10 +64,10 @@ void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads
 }  // namespace detail
 
 /// Checks all arguments of a call of a public function against its description in the table of functions
-/// (axode/table), where its name is `id`, and returns the scratch memory. The arguments are the model, the
-/// workspace, the inputs (numbers and loads) and the results. Results may not share memory with each other,
-/// nor with the inputs if the table says so. Throws std::invalid_argument with the name and the value of the
-/// argument and the rule that is broken.
+/// (axode/table), where its name is `id`, and returns the memory of the workspace, from which the function
+/// takes its scratch memory. The arguments are the model, the workspace, the inputs (numbers and loads) and
+/// the results. Results may not share memory with each other, nor with the inputs if the table says so.
+/// Throws std::invalid_argument with the name and the value of the argument and the rule that is broken.
 template <catalog::Id id, class T, class... Given>
 [[gnu::always_inline]] inline Arena checked(const Model& model, Workspace<T>& workspace,
                                             const Given&... given) {

@@ -155,8 +155,10 @@ class Solver {
       }
     }
   }
-  /// Holds joints at a limit beyond which `gradient` would move them: their columns of the Jacobian and their
-  /// entries of `gradient` and `direction` become 0. Returns whether there was such a joint.
+  /// Holds the joints that are at a position limit and that a displacement along `gradient` (nv numbers)
+  /// would move beyond this limit. Their columns of the Jacobian become 0, and so do their entries of
+  /// `gradient` and of `direction`, the displacement from which `gradient` was computed; both may be the same
+  /// vector. Returns whether there was such a joint.
   bool stop_at_limits(Vector& gradient, Vector& direction) {
     if (!options_.limits) return false;
     bool held = false;

@@ -45,8 +45,9 @@ std::vector<SE3<>> user_poses(const Model& model, std::span<const double> q) {
   C.resize(model.n_bodies() + 1);
   return C;
 }
-/// The transformations of twists and wrenches between each body and its predecessor, for the body frames that
-/// the user placed. Index 0 is the ground.
+/// For each body, the transformation of twists from its predecessor to it, and of wrenches from it to its
+/// predecessor, in the representation Rep. They are for the body frames that the user placed. Index 0 is the
+/// ground.
 template <class Rep>
 std::vector<Link<Rep, double>> user_links(const Model& model, std::span<const double> q) {
   const std::vector<SE3<>> C = user_poses(model, q);
