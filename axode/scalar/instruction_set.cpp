@@ -29,8 +29,8 @@ bool processor_has(std::size_t set) {
 }
 #endif
 
-/// The chosen instruction set, by its index `set`. `fault` says why AXODE_INSTRUCTION_SET was not used; it is
-/// empty if the variable was used or is not set.
+/// The chosen instruction set. `set` is its index in the list `names`, which begins with the smallest set.
+/// `fault` says why AXODE_INSTRUCTION_SET was not used; it is empty if the variable was used or is not set.
 struct Choice {
   std::size_t set = std::size(names) - 1;
   std::string fault;
