@@ -70,9 +70,10 @@ inline std::size_t numbers_of(const Words& row, const Model& model, std::size_t 
   return n;
 }
 
-/// These functions throw std::invalid_argument. refuse_input() says that an input has a wrong `size`.
-/// refuse_result() says that a result has a wrong number `size` of entries of `width` numbers each.
-/// refuse_shared() says that a result shares memory with `with`, an argument or another result.
+/// These functions throw std::invalid_argument. The message of refuse_input() says that an input has `size`
+/// entries, and how many it must have. The message of refuse_result() says that a result has `size` entries,
+/// of `width` numbers each, and how many entries it must have. The message of refuse_shared() says that a
+/// result shares memory with `with`, the name of an argument or of another result.
 [[noreturn]] void refuse_input(Input input, std::size_t size, const Model& model);
 [[noreturn]] void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
                                 const Model& model, std::size_t n_loads);

@@ -97,8 +97,9 @@ enum class Word {
   refused,      ///< the call throws if the model has the property
 };
 
-/// How a function treats a property of mechanisms, such as loops: a Word and, required for `refused` and
-/// `partly`, a sentence that says what to call instead or in addition.
+/// How a function treats a property of mechanisms, such as loops. `word` names the treatment, for example
+/// `counted` or `refused`. `sentence` says what to call instead or in addition; it is required if the
+/// treatment is `refused` or `partly`.
 struct Count {
   Word word;
   std::string_view sentence;
