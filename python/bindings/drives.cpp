@@ -35,8 +35,9 @@ Numbers one_velocity(const BoundModel& m, const char* name, nb::handle given) {
   return numbers;
 }
 
-/// The reference motion that a controller follows. `q` is either an axode.Trajectory, or one configuration,
-/// to which the velocities v and the accelerations a belong, each of which may be None.
+/// The reference motion that a controller follows. `q` is either an axode.Trajectory, or one configuration. A
+/// trajectory has its own velocities and accelerations, so that v and a must be None. A configuration, with
+/// the velocities v and the accelerations a, is the reference at all times; for None, v or a is 0.
 Reference reference(const BoundModel& m, nb::handle q, nb::handle v, nb::handle a) {
   if (const Trajectory* motion = motion_in(q)) {
     for (const auto& [name, given] : {std::pair{"v", v}, {"a", a}})
