@@ -152,9 +152,11 @@ std::string ranks(const LocalMobility& found) {
   return text;
 }
 
-/// A table for a branch, a smooth curve or surface of configurations of a mechanism through a given one. For
-/// each coordinate it has the tangents, the curvature or (at a cusp) the next term of the power series, and
-/// whether it rests along the branch (idle) or only at this configuration (dead point).
+/// A table for a branch, a curve or surface of configurations of a mechanism through a given one. It has a
+/// row for each coordinate. The columns are the tangents of the branch and, for a curve, the curvature. At a
+/// cusp they are the coefficients of the first two terms of the power series of the curve instead. The last
+/// column says whether the coordinate rests along the whole branch (idle) or only at the given configuration
+/// (dead point).
 std::string coordinates_table(const LocalMobility& found, const MotionBranch& branch) {
   std::vector<std::string> headings{"joint"};
   std::vector<std::vector<double>> columns;
