@@ -197,9 +197,11 @@ CasadiOutput output(std::string name, int rows, int columns, std::size_t recordi
   return out;
 }
 
-/// Returns the matrices in which CasADi receives the results of a function, and changes the results of
-/// `value`, the recording (list of operations) of the function. Results that are always 0 are removed, and
-/// the constant 1 is added as the last result. It is the last entry of the 4 × 4 matrices of poses.
+/// Returns the output matrices of a function that is generated for CasADi. Each has its shape, its entries
+/// that are not always 0, and for each such entry the index of its number among the results of `value`, the
+/// recording (list of operations) of the function. This function removes the results of `value` that are
+/// always 0, and adds the constant 1 as the last result, which is the last entry of the 4 × 4 matrices of
+/// poses.
 std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
                                    std::span<const std::string> frames, Recording& value) {
   const int nv = model.nv();

@@ -36,8 +36,9 @@ struct CasadiFunction {
 };
 /// A function of the state and its derivatives by all arguments, under the names that CasADi looks for: NAME,
 /// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME. Each of them has a recording (a list of operations) of
-/// its own. The inverse mass matrix is an exception: it has no jac_adj1_NAME, its derivatives are computed by
-/// loops (the member `inverse`), and the recordings of these derivatives only describe arguments and results.
+/// its own, from which its C code is generated. The inverse mass matrix is an exception: it has no
+/// jac_adj1_NAME, and the C code of its derivatives multiplies matrices in `for` loops (see the member
+/// `inverse`). The recordings of these derivatives only describe arguments and results.
 struct CasadiFamily {
   std::vector<Recording> recordings;
   std::vector<CasadiFunction> functions;

@@ -8,8 +8,8 @@
 
 namespace axode::codegen {
 
-/// The first derivatives of A(q) = M⁻¹ for CasADi, by loops that multiply matrices, from the derivatives of
-/// M:
+/// The first derivatives of A(q) = M⁻¹ for CasADi. The generated C code multiplies matrices in `for` loops,
+/// and computes them from the derivatives of M:
 ///
 ///     dA = - A dM A,    d(W·A) = - B·dM with B = A W A,
 ///

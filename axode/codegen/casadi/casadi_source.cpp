@@ -94,9 +94,11 @@ template <class Items, class Word> std::string words(const Items& items, const W
 }
 
 /// A sparsity pattern in CasADi's format: the numbers of rows and columns, then the index of the first entry
-/// of each column, then the row of each entry. A dense matrix has the numbers of rows and columns and a 1.
-/// The matrices of several states stand side by side; if they are derivatives by all states, `diagonal`
-/// places them along the diagonal.
+/// of each column, then the row of each entry. A dense matrix has the numbers of rows and columns and a 1. A
+/// generated function can be evaluated for several states in one call. The result is then one matrix, in
+/// which the matrices of the states stand side by side or, if `diagonal` is true, are the blocks of a block
+/// diagonal matrix. The latter holds for derivatives by the arguments, as the result for one state does not
+/// depend on the arguments of the others.
 std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   const int down = diagonal ? pattern.rows : 0;
   std::vector<int> numbers{pattern.rows + (states - 1) * down, states * pattern.columns};
@@ -172,7 +174,7 @@ class File {
                     c_definition(recording, name, sine_cosine(), precision).text + '\n';
     turns_ = turns_ || operations(recording).angles > 0;
   }
-  /// Adds the functions for the derivatives of M⁻¹, which have loops.
+  /// Adds the C functions for the derivatives of M⁻¹, which multiply matrices in `for` loops.
   void add_loops(const CasadiFamily& family) {
     if (family.recordings[0].results.empty()) return;  // the model has no velocities
     if (!std::exchange(loops_, true)) definitions_ += CasadiInverse::loops(prefix_);

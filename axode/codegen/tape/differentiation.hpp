@@ -35,15 +35,15 @@ class Composition {
   /// is stored column by column, and each column belongs to an entry of an argument.
   Traces jacobian(const Traces& x, std::size_t arguments) const;
 
-  /// Ends the composition: returns the composed function as a recording, with `results` as its results and
-  /// `result` as their name. This object is empty afterwards.
+  /// Returns the function that was composed by the preceding calls on this object as a recording (a list of
+  /// operations), with `results` as its results and `result` as their name. This object is empty afterwards.
   Recording with(const std::string& result, Traces results);
 
  private:
   /// The derivatives of the results of the recorded function `made` along a direction of its arguments.
   /// `made` has a copy of all operations that this object has recorded so far, and its results are the
-  /// numbers to be differentiated. Entry k of `direction` is the direction of argument k. Only the operations
-  /// k with need[k] are differentiated.
+  /// numbers to be differentiated. Entry k of `direction` is the direction of argument k. need[k] says
+  /// whether a result depends on operation k; other operations are skipped.
   Traces along(const Recording& made, const std::vector<char>& need, std::span<const Traces> direction) const;
   /// The index of the node of an entry of an argument.
   std::size_t node(std::size_t argument, std::size_t entry) const;
