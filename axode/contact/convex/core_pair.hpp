@@ -12,10 +12,11 @@ namespace axode::convex {
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// A point w = b - a with points a and b of two cores (convex bodies without the balls that round them). a
-/// and b are the farthest points of their cores in some direction. branch_a and branch_b are the numbers of
-/// the smooth parts of the cores' surfaces to which they belong, such as a vertex of a box or a cap of a
-/// cylinder.
+/// A point w = b - a with points a and b of two cores (convex bodies without the balls that round them).
+/// CorePair::support(n) finds it for a unit vector n: a is the point of its core that is farthest along n,
+/// and b is the point of the other core that is farthest along -n, so that n·w is least. branch_a and
+/// branch_b are the numbers of the smooth parts of the cores' surfaces to which a and b belong, such as a
+/// vertex of a box or a cap of a cylinder.
 struct Vertex {
   Vec3<> w, a;
   int branch_a = 0, branch_b = 0;

@@ -7,9 +7,10 @@
 namespace axode::convex {
 namespace {
 
-/// The matrix and the right side of the equations of a Newton step. The step searches the normal n for which
-/// the gap between two convex bodies has a stationary width s. Its unknowns are two tangential components of
-/// the change of n, the weights of up to three vertices of a simplex that represents the vector s n, and s.
+/// The matrix and the right side of the equations of a Newton step (D10.9). The step searches the unit normal
+/// n for which the gap between two convex bodies has a stationary width s. Its unknowns are two tangential
+/// components of the change of n, s, and the weights, with the sum 1, of up to three points b - a, where a
+/// and b are points of the two bodies. The weighted mean of these points is s n at the solution.
 using Equations = std::array<std::array<double, 7>, 6>;
 
 /// Solves linear equations [matrix | right side] by Gauss-Jordan elimination with pivots. The solution
@@ -99,9 +100,11 @@ class Newton {
     return level;
   }
 
-  /// Makes one Newton step (D10.9) for the normal n, the weights λ_i of the vertices w_i of the simplex,
-  /// and the width s of the gap, with the equations Σ λ_i w_i = s n, n·w_i = s and Σ λ_i = 1 (D10.8).
-  /// Removes vertices whose new weight is not positive. Returns false if the matrix is singular.
+  /// Makes one Newton step (D10.9) for the equations Σ λ_i w_i = s n, n·w_i = s and Σ λ_i = 1 (D10.8). The
+  /// unknowns are the unit normal n, the width s of the gap along n, and the weights λ_i of the vertices w_i
+  /// of the simplex. The vertices are points b - a, with points a and b of two convex bodies, and the step
+  /// takes into account that they move with n. Removes vertices whose new weight is not positive. Returns
+  /// false if the matrix is singular.
   bool update() noexcept {
     const Simplex& x = now_.simplex;
     const int count = x.count, size = count + 3, s = size - 1;

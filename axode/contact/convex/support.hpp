@@ -4,10 +4,11 @@
 
 #include "axode/contact/convex/convex_shape.hpp"
 
-/// Support functions h(n) = max of n·x over the points x of a core: the box, cylinder, hull or inner part of
-/// an ellipsoid that, with a ball added to it, is a convex shape. A support function consists of smooth
-/// branches, each of which belongs to a vertex of a box or hull, to one of the two caps of a cylinder (0 is
-/// the upper, 1 the lower one), or to the whole surface of an ellipsoid (0).
+/// Support functions h(n) = max of n·x over the points x of a core. A convex shape is the sum of its core and
+/// a ball. The core is a box, a cylinder, a hull or, for an ellipsoid, the set of its points whose distance
+/// from its surface is at least the radius of the ball. A support function consists of smooth branches, each
+/// of which belongs to a vertex of a box or hull, to one of the two caps of a cylinder (0 is the upper, 1 the
+/// lower one), or to the whole core of an ellipsoid (0).
 namespace axode::convex {
 
 template <class T> Vec3<T> unit(const Vec3<T>& a) { return (T(1) / norm(a)) * a; }

@@ -69,9 +69,11 @@ Clipped<T> clip_by_sides(const Feature<T>& subject, const Feature<T>& polygon, c
   return out;
 }
 
-/// Clips a polygon or segment, the subject, by a polygon, and adds the corners of the result as contact
-/// points. The vector n points from the polygon to the subject, and `flipped` is true if the subject belongs
-/// to the first shape of the pair. Returns the least gap.
+/// Clips a polygon or segment, the subject, by a polygon, seen along the unit vector n from the polygon to
+/// the subject, and adds the corners of the result as contact points. The gap of a corner (m, negative in
+/// overlap) is its distance from the plane of the polygon along n, minus the radii of the balls that round
+/// the two bodies. `flipped` is true if the subject belongs to the first shape of the pair. Returns the least
+/// gap, or infinity if the result is empty.
 template <class T>
 double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const Feature<T>& subject,
                        double radius_subject, const Vec3<T>& n, bool flipped, double size,
@@ -95,10 +97,11 @@ double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const F
   return least;
 }
 
-/// Adds the ends of the part along which two segments lie side by side, seen along n, as contact points. Let
-/// e be the distance of the two lines across n. The curvatures of the two surfaces, which are rounded by
-/// balls of radius_a and radius_b, add e² / (2 (radius_a + radius_b)) to the gap. Returns the least gap, or
-/// infinity if the segments do not lie side by side.
+/// Adds contact points at both ends of the part along which two segments a and b lie side by side, seen along
+/// the unit vector n. The gap there (m, negative in overlap) is the distance of the segments along n, minus
+/// the radii of the balls that round the bodies, plus e² / (2 ρ) for the curvature of the surfaces. e is the
+/// distance of the segments perpendicular to n, and ρ (features.roundness) is the sum of the radii of
+/// curvature across the segments. Returns the least gap, or infinity if the segments do not lie side by side.
 template <class T>
 double clip_segments(const Feature<T>& a, const Feature<T>& b, const FacingFeatures<T>& features,
                      PointList<T>& out) noexcept {

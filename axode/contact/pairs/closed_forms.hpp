@@ -17,8 +17,9 @@ void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& p
                  PointList<T>& out) noexcept;
 
 /// Adds the contact points of two spheres or capsules. If one is a sphere, there is one point. Two capsules
-/// have a point where their axes are nearest, and points at both ends of the part along which they lie side
-/// by side.
+/// whose axes lie side by side along a part of their lengths have a point at both ends of this part. The
+/// point where the axes of two capsules are nearest is added if they do not lie side by side, or if its gap
+/// is smaller than the gaps at both ends.
 template <class T>
 void touch_round(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
                  PointList<T>& out) noexcept;

@@ -7,7 +7,7 @@
 namespace axode {
 
 /// The flat part of the surface of a convex shape that faces a direction: a polygon, a segment, or nothing.
-/// Points are in the inertial frame, m.
+/// For a capsule it is the axis. Points are in the inertial frame, m.
 template <class T = double> struct Feature {
   static constexpr int most_points = 32;
 
@@ -22,8 +22,9 @@ template <class T = double> struct Feature {
 /// The flat part of a shape's surface that faces the unit vector n (in the inertial frame). For a box it is
 /// the face whose normal is nearest to n. For a hull it is, of the faces at the support point, the one whose
 /// normal is nearest to n. For a cylinder it is a cap, as a polygon of eight points on its rim, or a line on
-/// its side; for a capsule it is the axis. Spheres and ellipsoids have none. If a face of a hull has more
-/// than 32 corners, only some of them are taken.
+/// its side. For a capsule it is the axis, which is not on the surface; the caller takes the radius of the
+/// capsule into account. Spheres and ellipsoids have no flat part. If a face of a hull has more than 32
+/// corners, only some of them are taken.
 template <class T>
 Feature<T> supporting_feature(const ContactShape& shape, const SE3<T>& pose, const Vec3<T>& n) noexcept;
 
