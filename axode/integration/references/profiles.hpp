@@ -32,9 +32,11 @@ struct ProfileLimits {
 Trajectory quintic_profile(const Model& model, std::span<const double> start, std::span<const double> goal,
                            const ProfileLimits& limits);
 
-/// Computes the fastest motion within limits of velocity and acceleration, by a profile of constant
-/// acceleration, constant velocity (if the velocity limit is reached) and constant deceleration.
-/// Accelerations jump.
+/// Computes a motion from rest at `start` to rest at `goal` with trapezoidal velocities: each joint has
+/// constant acceleration, constant velocity (if the fastest such motion of this joint alone reaches its
+/// velocity limit) and constant deceleration. All joints start and arrive together, in the shortest time for
+/// which these profiles are within the limits of velocity and acceleration of every joint. Accelerations
+/// jump.
 Trajectory trapezoidal_profile(const Model& model, std::span<const double> start,
                                std::span<const double> goal, const ProfileLimits& limits);
 

@@ -55,9 +55,10 @@ class AbsoluteSimulationRun {
   double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// The scale against which rounding errors of velocities are judged: the size, in the energy norm, of the
-  /// terms from which a step of length h (s) computes the velocities of the bodies. `v_t` are these
-  /// velocities at a time in the step.
+  /// The scale against which rounding errors of velocities are judged, in the energy norm. It is the largest
+  /// of the norm of the velocities `v_t` of the bodies at a time in a step of length h (s), the norms of the
+  /// changes of velocities by gravity and by joint forces in this step, and a small part of the norm of the
+  /// coordinates, divided by h, so that the scale is not 0 at rest.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
@@ -67,8 +68,10 @@ class AbsoluteSimulationRun {
   void set_time(double t) { bodies_.prescribe(run_.motion_rows(t)); }
   Failure factorize(double t, Span q_t) { return checked(t, bodies_.factorize(q_t)); }
   Failure factorize_with_rank(double t, Span q_t) { return checked(t, bodies_.factorize_with_rank(q_t)); }
-  /// Factorises the mass matrix and the constraints at q_t, with the inertia that springs, dampers and drives
-  /// seem to add in an implicit step, in which a change x of accelerations changes q by c_x x and v by c_v x.
+  /// Factorises the mass matrix and the constraints at time t, configuration q_t and velocities v_t, which
+  /// are an iterate of the end of an implicit step. The mass matrix includes the inertia that springs,
+  /// dampers and drives seem to add in this step, in which a change x of accelerations changes q by c_x x and
+  /// v by c_v x.
   Failure factorize(double t, Span q_t, Span v_t, double c_x, double c_v) {
     bodies_.to_joint_state(q_t, v_t, q_joints_, v_joints_);
     if (Failure failure = run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_))
@@ -100,9 +103,11 @@ class AbsoluteSimulationRun {
     std::ranges::copy(x_, a_t.begin());
     return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
-  /// Projects q_1 and v_1 at time t so that joints and loops are closed, by the displacement and the impulses
-  /// that are least in the norm of the mass matrix. Fails if the residual of positions stays above 1e-6. Then
-  /// factorises the mass matrix and the constraints.
+  /// Projects q_1 and v_1 at time t (s) so that joints and loops are closed and prescribed motions are
+  /// followed. With the mass matrix M, the change x of v_1 has the least norm √(xᵀ M x) among all changes
+  /// that achieve this to rounding; so has each Newton step for q_1. Returns an error if the residual of
+  /// positions (rad, m) stays above 1e-6. On success the mass matrix and the constraints are factorised at
+  /// the new q_1.
   Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double rounding = 1e-13, tolerable = 1e-6;
     set_time(t);
@@ -126,7 +131,9 @@ class AbsoluteSimulationRun {
     return {};
   }
   /// Projects the state at the end of a step onto closed joints and loops, and appends it to the trajectory.
-  /// The step ends earlier where the law of a drive changes its form, for example at a limit.
+  /// If the law of a drive changes its form within the step, for example at a limit, the function first
+  /// shortens the step: it searches for the time of the change, and computes the state at this time by
+  /// `attempt`, a callback that computes the state at the end of a step to a given time.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
     if (!drives().empty())
       if (Failure failure = end_at_switch(t_1, end, attempt)) return failure;

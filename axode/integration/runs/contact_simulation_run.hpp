@@ -52,14 +52,16 @@ class ContactSimulationRun : public MomentumSimulationRun {
   }
   Span drive(double t, const Vector& q_t, const Vector& v_t) { return tree_drive(t, q_t, v_t); }
 
-  /// Fails if a state at time t has numbers that are not finite.
+  /// Returns an error if a state at time t has numbers that are not finite.
   Failure check_finite(double t, const Vector& q_t, const Vector& v_t) const {
     return finite(q_t) && finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
 
-  /// Fails if the loops are open, or prescribed motions are not followed, at q_t and time t. With prescribed
-  /// motions, also fails if `certificate`, the relative error of the laws of contact in the step, is above
-  /// 0.1, because contacts then block these motions.
+  /// Returns an error if, at configuration q_t and time t (s), the residual of the loops and of the
+  /// prescribed motions is above 1e-6 (rad, m). With prescribed motions, which give a joint coordinate or the
+  /// length of a rod (a loop joint that keeps two points at a distance) as a function of time, also returns
+  /// an error if `certificate`, the relative error of the laws of contact in the step, is above 0.1, because
+  /// contacts then block these motions.
   Failure check_closed(double t, const Vector& q_t, double certificate) {
     if (!loops_) return {};
     constexpr double blocked = 0.1;  // a certificate with which no step makes sense
@@ -132,10 +134,11 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
   bool is_exact() const { return midpoint_.is_exact(); }
-  /// Ends the computation of the motion in the step, after the last call of fly(). Completes p_end, the joint
-  /// momenta at the end of the step before the impulses there. The momenta of floating bases are relative to
-  /// their moving frames, which fall with gravity but do not rotate. They are exact to rounding if only
-  /// gravity acts on the bases between the impulses. v_0 are the velocities that begin() received.
+  /// Ends the computation of the motion between the impulses at the two ends of the step, after the last call
+  /// of fly(), which computes this motion by the midpoint rule. Completes p_end, the joint momenta at the end
+  /// of the step before the impulses there. The momenta of floating bases are relative to their moving
+  /// frames, which fall with gravity but do not rotate. They are exact to rounding if only gravity acts on
+  /// the bases between the impulses. v_0 are the velocities that begin() received.
   void arrive(const Vector& v_0) {
     change_ = v_middle - v_0;
     h_of_change_ = h_;

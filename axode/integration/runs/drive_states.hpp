@@ -54,8 +54,9 @@ class DriveStates {
   /// stages (D17.7b). x_1 may have the memory of x_0.
   void take_two_stages(double t, double h, const Vector& x_0, Span q_s, Span v_s, Span q_1, Span v_1,
                        Vector& x_1);
-  /// Whether a step backwards in time (h < 0) is too long for the drives: an implicit rule has a pole where h
-  /// times an eigenvalue of ∂x'/∂x, the derivative of the rates of the drive states, is 2.
+  /// Whether a step backwards in time (h < 0) is too long for the drives: whether |h σ| > 1 for an eigenvalue
+  /// σ of ∂x'/∂x, the derivative of the rates of the drive states by these states (1/s). The midpoint rule
+  /// and the trapezoidal rule have a pole at h σ = 2.
   bool too_fast(double h) const;
   static constexpr const char* runs_backwards =
       "states of drives change too fast for those parts of the step in which time runs backwards; use a "

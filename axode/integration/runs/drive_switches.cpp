@@ -7,9 +7,11 @@
 /// Steps that end where a drive with states changes to another branch of its law.
 namespace axode {
 
-/// Whether the end of a step depends on the time at which a drive changes to another branch of its law. It
-/// does if the change alters a state of the drives, or the velocities and states to which a step of this
-/// length leads, by more than 1e-9 of their size.
+/// Whether the time at which a drive changes to another branch of its law affects the step that ends at time
+/// t with the state `end`. The function evaluates the drives at this state before and after the change, and
+/// returns true if a drive state jumps, or if the changes of the rates of the drive states or of the drive
+/// forces, over the length of the step, would alter the drive states or the velocities. Changes by at most
+/// 1e-9 of the size of the drive states or velocities do not count.
 bool SimulationRun::jumps_at_switch(double t, const StepEnd& end) {
   constexpr double small = 1e-9;
   const double h = t - now();

@@ -80,9 +80,10 @@ class MomentumSimulationRun : public SimulationRun {
   }
   /// Whether a load or drive acted on a floating base in the last evaluation of forces.
   bool pushes_bases() const { return pushes_bases_; }
-  /// Appends the end of a step, a state (q, p) with the states x of the drives, to the trajectory. The
-  /// coordinates and momenta of floating bases are relative to moving frames, which fall with gravity but do
-  /// not rotate.
+  /// Appends the end of a step, a state (q, p) with the states x of the drives, to the trajectory. In this
+  /// state the coordinates and momenta of floating bases are relative to moving frames, which fall with
+  /// gravity but do not rotate. The function converts them to coordinates and velocities in the inertial
+  /// frame first.
   Failure take_momenta(double t, const Vector& q_t, const Vector& p, const Vector& x) {
     Vector q_1 = q_t, v_1, a_1(p.size());
     if (Failure failure = velocity(t, q_t, p, v_1)) return failure;

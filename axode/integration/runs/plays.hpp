@@ -87,8 +87,10 @@ class Plays {
   /// The restitution if play k meets its end at a speed: 0 below the mechanism's threshold for impacts.
   double restitution(std::size_t k, double speed) const;
   void refuse_beyond(std::size_t k, Span q) const;
-  /// Computes the impact of play k (backlash of a coupling) on one of its ends, which changes v. If another
-  /// play is at an end that would have to pull during the impact, it becomes free.
+  /// Computes the impact of play k (backlash of a coupling) on its upper (`side` = 1) or lower (`side` = -1)
+  /// end, with the restitution of the coupling, or with 0 if the speed is below the threshold for impacts.
+  /// Changes the velocities v. If the restitution is 0, the play stays at the end, otherwise it is free
+  /// afterwards. Another play becomes free if it is at an end that would have to pull during the impact.
   Trajectory::PlayEvent meet_end(std::size_t k, int side, Span q, std::span<double> v, const Engage& engage);
   Trajectory::PlayEvent leave_end(std::size_t k);
 

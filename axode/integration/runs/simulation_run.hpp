@@ -125,7 +125,8 @@ class SimulationRun {
     return loops_ ? std::min(t, loops_->motions().next_jump(now())) : t;
   }
   /// closed_model() is the model in which prescribed motions are loop equations as well. motion_rows()
-  /// returns the right sides of the equations of the prescribed motions at time t (s).
+  /// returns for each of these equations its right sides at time t (s) for the position (rad or m), the
+  /// velocity and the acceleration.
   const Model& closed_model() const { return loops_ ? loops_->motions().model() : model_; }
   std::span<const PrescribedRow<double>> motion_rows(double t) {
     return loops_ ? loops_->motion_rows(t) : std::span<const PrescribedRow<double>>();
