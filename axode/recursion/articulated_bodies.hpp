@@ -147,7 +147,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The backward sweep, from the leaves to the roots, of the solution of equations with the mass matrix M =
-  /// Lᵀ D L: computes u = L⁻ᵀ x from their right sides x, one for each velocity.
+  /// Lᵀ D L. It computes u = L⁻ᵀ x from the vector x of the right sides, which has one entry for each
+  /// velocity.
   template <TreeOf<T> AnyTree> void backward_sweep(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
     clear_ties(tree);
@@ -155,9 +156,10 @@ template <class Rep, class T> struct ArticulatedBodies {
     backward_step_at_ground(tree, x);
   }
   /// The step at body i of the backward sweep, the first half of the solution of equations with the mass
-  /// matrix and the right sides x; it must follow the steps of all other bodies in the subtree. `bias` has
-  /// the twist rates of the bodies, relative to their predecessors, if all joint accelerations are 0; a null
-  /// `bias` means that they are 0.
+  /// matrix and the vector x of right sides, which has one entry for each velocity. It must follow the steps
+  /// of all other bodies in the subtree. If the solution consists of joint accelerations, `bias` has the
+  /// twist rates of the bodies, relative to their predecessors, that remain if all joint accelerations are 0;
+  /// a null `bias` means that all are 0.
   template <TreeOf<T> AnyTree>
   void backward_step(const AnyTree& tree, int i, const T* x,
                      const TwistRate<Rep, T>* bias = nullptr) noexcept {
@@ -207,9 +209,10 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The forward sweep, from the roots to the leaves, of the solution of equations with the mass matrix M =
-  /// Lᵀ D L: computes the solution x = L⁻¹ D⁻¹ u from the result u of the backward sweep. `bias` has the
-  /// twist rates of the bodies, relative to their predecessors, if all joint accelerations are 0; a null
-  /// `bias` means that they are 0.
+  /// Lᵀ D L. With a null `bias` it computes the solution x = L⁻¹ D⁻¹ u from the result u of the backward
+  /// sweep. Otherwise x are joint accelerations, and `bias`, which the backward sweep must have received as
+  /// well, has the twist rates of the bodies, relative to their predecessors, for x = 0. It is added to
+  /// the twist rates of the bodies from which x is computed.
   template <TreeOf<T> AnyTree>
   void forward_sweep(const AnyTree& tree, T* x, const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -272,36 +275,40 @@ template <class Rep, class T> struct ArticulatedBodies {
   static bool own_tie_ends(const Topology::Ties& ties, int i) {
     return ties.own[i] >= 0 && ties.up[ties.own[i]] < 0;
   }
-  /// Whether tie o of body i is eliminated after tie t of this body. A tie is a pair of a body and a velocity
-  /// that coupled joints share.
+  /// Whether tie o is eliminated after tie t, both ties of body i. A tie of body i is a column of its
+  /// articulated inertia for a velocity that coupled joints share, some of them in the subtree of body i; the
+  /// velocity is eliminated at body i or nearer to the ground.
   static bool waits(const Topology::Ties& ties, int i, int o, int t) {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The inertias that couple joint screw s of body i with the ties of this body: entries of the mass matrix
-  /// after the elimination of the velocities that come earlier in its order. A tie is a pair of a velocity
-  /// that several coupled joints share and a body on the paths from these joints to the body where the paths
-  /// meet. Ties are numbered through all bodies. Entry t of the returned pointer belongs to tie t of body i.
+  /// The inertias that couple joint screw s of body i with the ties of body i, after the elimination of the
+  /// velocities that a sweep from the leaves to the ground eliminates before that of screw s. A tie of body i
+  /// is a column of its articulated inertia for a velocity that coupled joints share, some of them in the
+  /// subtree of body i; the velocity is eliminated at body i or nearer to the ground. Ties are numbered
+  /// through all bodies. Entry t of the returned pointer belongs to tie t.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// The inertias that couple tie t with the ties of the same body: the row of tie t in the mass matrix that
-  /// is left after the elimination of earlier velocities. A tie is a pair of a velocity that several coupled
-  /// joints share and a body on the paths from these joints to the body where the paths meet. Ties are
-  /// numbered through all bodies. Entry o of the returned pointer belongs to tie o. There are entries only
-  /// for ties in the group of t; Topology::Ties divides the ties of a body into groups that the elimination
-  /// does not couple with each other.
+  /// The inertias that couple tie t of a body with the ties of this body, itself included, after the
+  /// elimination of the velocities that a sweep from the leaves to the ground eliminates before that of tie
+  /// t. A tie of a body is a column of its articulated inertia for a velocity that coupled joints share, some
+  /// of them in the subtree of the body; the velocity is eliminated at this body or nearer to the ground.
+  /// Ties are numbered through all bodies. Entry o of the returned pointer belongs to tie o. There are
+  /// entries only for ties in the group of t; Topology::Ties divides the ties of a body into groups that the
+  /// elimination does not couple with each other.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
-  /// Adds the share of joint screw S = S[s] of body i, whose joint is coupled, to the tie of the velocity
-  /// that the joint shares with others. The tie is a column that extends the articulated inertia M of the
-  /// body. It has the wrench U_tie on the body for a unit rate of this velocity, to which M S is added, and
-  /// the inertias D_tie that couple it with the ties of the body, to which the powers of the wrenches of
-  /// these ties along S are added.
+  /// Adds joint screw S = S[s] of body i, whose joint is coupled, to tie t of the body, which is a column of
+  /// its articulated inertia M for the velocity that the joint shares with others. S is the screw for a unit
+  /// rate of this velocity. U_t (U_tie) is the wrench on the body for this rate, and D_to (D_tie) is the
+  /// inertia that couples tie t with tie o of the body. By (D4.11), for every other tie o of the body that is
+  /// eliminated later,
+  ///   D_tt += 2 U_t·S + Sᵀ M S,  D_to += U_o·S,  then  U_t += M S.
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
     const int own = ties.own[i];
@@ -392,8 +399,9 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (waits(ties, i, o, t)) u_tie[o] += k * D_t[o];
   }
   /// The forward step, in the solution of equations with the mass matrix, for a velocity that coupled joints
-  /// share (tie t) and that is eliminated at body i: computes the entry of the solution x for this velocity
-  /// from the motion X[i] of the body.
+  /// share (tie t) and that is eliminated at body i. Computes the entry of the solution x for this velocity.
+  /// X[i] must be the motion of body i, a twist or its rate, that follows from the entries of x computed so
+  /// far.
   template <class AnyTree> void forward_step_of_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);

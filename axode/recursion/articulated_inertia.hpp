@@ -38,10 +38,10 @@ template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const
   return {{t, t, t, o, o, o}, {}, {M.m, M.m, M.m, o, o, o}};
 }
 /// Updates F for the elimination of a joint screw S from the articulated inertia M, with the pivot D and the
-/// wrench U = M S, whose moment is U_m and whose force is U_f. F has the magnitudes of the numbers that are
-/// added and subtracted to compute M, against which rounding errors of M are compared. G is F S. The number f
-/// is Sᵀ G plus the magnitude of inertias that move with S but are not part of M, such as the armature. By
-/// (D4.9) of docs/derivations, with the 3×3 identity 1,
+/// wrench U = M S, whose moment is U_m and whose force is U_f. F is a symmetric matrix against which rounding
+/// errors of M are compared: Sᵀ F S is the magnitude of the numbers that are added and subtracted to compute
+/// Sᵀ M S. G is F S. The number f is Sᵀ G plus the magnitude of inertias that move with S but are not part of
+/// M, such as the armature. By (D4.9) of docs/derivations, with the 3×3 identity 1,
 ///   F ← F + Y Uᵀ + U Yᵀ + diag(|U_m|² 1, |U_f|² 1) / D  with  Y = (f U / (2 D) - G) / D.
 template <class Rep, class T>
 constexpr void update_scale(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,

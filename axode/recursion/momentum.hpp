@@ -52,8 +52,9 @@ template <class Rep, class T> struct MomentumForm {
         velocity(arena.per_velocity<T>()),
         force(arena.per_velocity<T>()) {}
 
-  /// Writes the velocities v and the rates p' of the momenta (nv numbers each), which may share the memory of
-  /// arguments. If the mass matrix is singular, both are NaN. O(n).
+  /// Computes the velocities v = M⁻¹ p and the rates p' of the momenta from the coordinates q, the momenta p,
+  /// the drive forces tau and the loads. v, p, p' and tau have nv numbers; v and dp, which receives p', may
+  /// share the memory of the arguments. If the mass matrix is singular, v and p' are NaN. O(n).
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* p, const T* tau, const Loads<T>& loads, T* v,
                   T* dp) noexcept {
