@@ -13,12 +13,12 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct CheckOptions {
   ModelOptions mechanisms;
   std::string format = "table";
 };
 
-constexpr const char* footer = R"(Example:
+constexpr const char* check_footer = R"(Example:
   axode check arm7.toml humanoid.urdf
 
 Every fault is printed as one line, FILE:LINE: error: ... or FILE:LINE: warning: ... A defect that does
@@ -30,7 +30,7 @@ std::string counted(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n == 0 ? "no" : std::to_string(n), what, n == 1 ? "" : "s");
 }
 
-int run(const Options& options) {
+int run(const CheckOptions& options) {
   const Format format = choose("--format", options.format, formats);
   Json files = Json::array();
   std::size_t all_errors = 0;
@@ -65,11 +65,11 @@ int run(const Options& options) {
 }  // namespace
 
 void add_check(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CheckOptions>();
   CLI::App* check = app.add_subcommand("check", "List every fault of drawings, URDFs and SDF files");
   add_model_options(*check, options->mechanisms, Files::several);
   check->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
-  check->footer(footer);
+  check->footer(check_footer);
   check->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -15,14 +15,14 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct CodegenOptions {
   ModelOptions mechanism;
   std::string functions = "inverse_dynamics", name, out, abi = "plain";
   bool single_precision = false;
   int states = 1;
 };
 
-constexpr const char* footer = R"(Functions (several are separated by commas):
+constexpr const char* codegen_footer = R"(Functions (several are separated by commas):
   inverse_dynamics         tau from q, v, a
   forward_dynamics         a from q, v, tau; returns 1 if the mass matrix may be singular, else 0
   mass_matrix              M from q, nv x nv
@@ -100,7 +100,7 @@ std::vector<codegen::Function> wanted(const Model& model, const std::string& lis
   return all;
 }
 
-void run(const Options& options) {
+void run(const CodegenOptions& options) {
   const Model model = load(options.mechanism);
   if (!options.name.empty() && !codegen::is_identifier(options.name))
     throw UsageError("--name: \"" + options.name +
@@ -122,7 +122,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_codegen(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CodegenOptions>();
   CLI::App* codegen =
       app.add_subcommand("codegen", "Write the dynamics of a mechanism as C without loops and branches");
   add_model_options(*codegen, options->mechanism);
@@ -143,7 +143,7 @@ void add_codegen(CLI::App& app, int& exit_code) {
       ->type_name("PREFIX");
   codegen->add_option("--output", options->out, "The file to write; default: standard output")
       ->type_name("FILE");
-  codegen->footer(footer);
+  codegen->footer(codegen_footer);
   codegen->callback([options, &exit_code] {
     run(*options);
     exit_code = all_well;

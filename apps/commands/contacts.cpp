@@ -19,14 +19,14 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct ContactsOptions {
   ModelOptions mechanism;
   std::string state, format = "table";
   AtRestOptions contacts;
   Assembling assembling;
 };
 
-constexpr const char* footer =
+constexpr const char* contacts_footer =
     R"(Finds the points at which collision shapes touch or nearly touch, and the forces there if the mechanism
 is at rest and is let go at this instant. Forces obey Signorini's and Coulomb's laws for accelerations, and the
 last line says whether the mechanism stays at rest under them. Hard stops, closed loops and springs take part.
@@ -41,7 +41,7 @@ the initial state of the drawing, [state], or with all joints at zero.
 Example:
   axode contacts quadruped.toml --margin 0.05)";
 
-void run(const Options& options) {
+void run(const ContactsOptions& options) {
   const Format format = choose("--format", options.format, formats);
   const Model model = load(options.mechanism);
   State state = options.state.empty() ? starting_state(model) : read_state(model, options.state);
@@ -85,7 +85,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_contacts(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ContactsOptions>();
   CLI::App* contacts = app.add_subcommand("contacts", "Find points of contact, and their forces at rest");
   add_model_options(*contacts, options->mechanism);
   add_floor_option(*contacts, options->mechanism);
@@ -104,7 +104,7 @@ void add_contacts(CLI::App& app, int& exit_code) {
                      "Count dry friction of the joints at rest");
   contacts->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
-  contacts->footer(footer);
+  contacts->footer(contacts_footer);
   contacts->callback([options, &exit_code] {
     run(*options);
     exit_code = all_well;

@@ -18,13 +18,13 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct ConvertOptions {
   ModelOptions in;
   std::string out;
   bool force = false;
 };
 
-constexpr const char* footer = R"(Example:
+constexpr const char* convert_footer = R"(Example:
   axode convert humanoid.urdf humanoid.toml
 
 The suffix of OUT chooses the format: .toml is a drawing, .urdf a URDF, .xml MJCF. Properties that the
@@ -47,7 +47,7 @@ Writer writer_for(const std::string& file) {
   return choose("OUT: " + file, std::filesystem::path(file).extension().string(), writers);
 }
 
-void run(const Options& options) {
+void run(const ConvertOptions& options) {
   const Writer write = writer_for(options.out);
   if (!options.force && std::filesystem::exists(options.out))
     throw InputError(options.out + ": the file exists; --force replaces it");
@@ -66,13 +66,13 @@ void run(const Options& options) {
 }  // namespace
 
 void add_convert(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConvertOptions>();
   CLI::App* convert =
       app.add_subcommand("convert", "Write a mechanism in another format: drawing, URDF, MJCF");
   add_model_options(*convert, options->in, Files::one, "IN");
   convert->add_option("OUT", options->out, "The file to write")->required()->type_name("FILE");
   convert->add_flag("--force", options->force, "Replace OUT if it exists");
-  convert->footer(footer);
+  convert->footer(convert_footer);
   convert->callback([options, &exit_code] {
     run(*options);
     exit_code = all_well;

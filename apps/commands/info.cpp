@@ -21,12 +21,12 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct InfoOptions {
   ModelOptions mechanism;
   std::string format = "table";
 };
 
-constexpr const char* footer = R"(Example:
+constexpr const char* info_footer = R"(Example:
   axode info humanoid.urdf --base free
 
 Joints are listed with the indices of their coordinates q and velocities v: a joint with a rotation has
@@ -352,7 +352,7 @@ void print_warnings(const Model& model, const std::string& file) {
     fmt::print("  and {} more: axode check {}\n", warnings.size() - most_warnings, file);
 }
 
-void run(const Options& options) {
+void run(const InfoOptions& options) {
   const Format format = choose("--format", options.format, formats);
   const Model model = load(options.mechanism);
   if (format == Format::json) {
@@ -377,12 +377,12 @@ void run(const Options& options) {
 }  // namespace
 
 void add_info(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InfoOptions>();
   CLI::App* info = app.add_subcommand(
       "info", "Show the tree, joints, springs, loops, masses, frames and warnings of a mechanism");
   add_model_options(*info, options->mechanism);
   info->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
-  info->footer(footer);
+  info->footer(info_footer);
   info->callback([options, &exit_code] {
     run(*options);
     exit_code = all_well;

@@ -34,7 +34,7 @@ namespace {
 using Eigen::Index;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-struct Options {
+struct LinearizeOptions {
   ModelOptions mechanism;
   std::string state, format = "table";
   bool equilibrium = false, hold = false, joint_losses = false;
@@ -42,7 +42,7 @@ struct Options {
   std::string plot;
 };
 
-constexpr const char* footer =
+constexpr const char* linearize_footer =
     R"(Small deviations x = (delta, dv) from the motion through the state change as x' = A x + B dtau: the
 displacements delta of the joints, angles and lengths in their own axes, and their velocities dv. The
 command prints the modes of the system without dtau: natural frequency and damping ratio of a mode that
@@ -85,7 +85,7 @@ bool is_zero(const std::vector<double>& x) {
 /// The state that the options describe: the state of a file or, without a file, all joints at zero. With
 /// --hold, drive forces are added under which this state is at rest; with --equilibrium, the joints are moved
 /// to an equilibrium.
-State found_state(const Model& model, const Options& options) {
+State found_state(const Model& model, const LinearizeOptions& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
   if (options.equilibrium || options.hold) {
     const char* const option = options.hold ? "--hold" : "--equilibrium";
@@ -120,7 +120,7 @@ State found_state(const Model& model, const Options& options) {
   return state;
 }
 
-Linearized linearized(const Options& options) {
+Linearized linearized(const LinearizeOptions& options) {
   const Model model = load(options.mechanism);
   if (model.loops().empty())
     catalog::check_counts<"linearize">(model);
@@ -314,7 +314,7 @@ std::string verdict(const Linearized& at) {
 }
 
 /// A chart of the poles, which are the eigenvalues of A, and of the natural frequencies of oscillating modes.
-Chart chart_of(const Linearized& at) {
+Chart chart_of_model(const Linearized& at) {
   std::array<Curve, 3> poles{
       Curve{.name = "dies out", .color = 0}, {.name = "keeps on", .color = 8}, {.name = "grows", .color = 3}};
   Curve frequencies{.kind = Curve::bars, .color = 0};
@@ -359,7 +359,7 @@ void print(const Linearized& at) {
              mode_table(at));
 }
 
-void run(const Options& options) {
+void run(const LinearizeOptions& options) {
   const Format format = choose("--format", options.format, formats);
   std::vector<FileFormat> file_formats_asked;
   for (const std::string& file : options.outputs) file_formats_asked.push_back(file_format(file));
@@ -371,7 +371,7 @@ void run(const Options& options) {
       case FileFormat::csv: write_text(options.outputs[k], as_csv(AB.matrix, AB.rows, AB.columns)); break;
       case FileFormat::npz: write_text(options.outputs[k], as_npz({{"A", at.A}, {"B", at.B}})); break;
     }
-  if (plot) plot->draw(chart_of(at));
+  if (plot) plot->draw(chart_of_model(at));
   if (format == Format::json) {
     fmt::print("{}", text(as_json(at)));
   } else {
@@ -382,7 +382,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_linearize(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<LinearizeOptions>();
   CLI::App* linearize =
       app.add_subcommand("linearize", "Find the linear system about a state, its frequencies and modes");
   add_model_options(*linearize, options->mechanism);
@@ -399,7 +399,7 @@ void add_linearize(CLI::App& app, int& exit_code) {
   add_plot_option(*linearize, options->plot);
   linearize->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
-  linearize->footer(footer);
+  linearize->footer(linearize_footer);
   linearize->callback([options, &exit_code] {
     run(*options);
     exit_code = all_well;

@@ -14,7 +14,7 @@
 namespace axode::command {
 namespace {
 
-constexpr const char* footer = R"(Example:
+constexpr const char* map_footer = R"(Example:
   axode map inverse_dynamics humanoid.urdf states.parquet tau.parquet --base free
   axode map jacobian arm7.toml states/ jacobians/ --set frame=flange --set representation=hybrid
 
@@ -98,7 +98,7 @@ void add_map(CLI::App& app) {
   add_flag("--overwrite", "Replace existing results");
   add("--cluster", "Address of a Ray cluster, or local; default: $RAY_ADDRESS or this process", "ADDRESS");
   add("--threads", "Threads of this process; default: one for each core", "N");
-  map->footer(footer);
+  map->footer(map_footer);
   map->callback([map] { hand_over(words_given(*map)); });
 }
 

@@ -20,14 +20,14 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct MobilityOptions {
   ModelOptions mechanism;
   std::string state, format = "table";
   Assembling assembling;
   LocalMobilityOptions mobility;
 };
 
-constexpr const char* footer =
+constexpr const char* mobility_footer =
     R"(A mechanism with loops may have fewer or other motions than its differential mobility suggests. The
 command prints how many velocities satisfy the closure of the loops up to order 1, 2, ..., the motions that
 begin at the configuration, with tangent and curvature, and words for it: regular, branch point,
@@ -224,7 +224,7 @@ std::string evidence(const LocalMobility& found) {
                        "for these motions, and no proof.\n");
 }
 
-void run(const Options& options) {
+void run(const MobilityOptions& options) {
   const Format format = choose("--format", options.format, formats);
   const Model model = load(options.mechanism);
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
@@ -245,7 +245,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_mobility(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MobilityOptions>();
   CLI::App* mobility = app.add_subcommand("mobility", "Find what the loops let a mechanism do, to any order");
   add_model_options(*mobility, options->mechanism);
   mobility->add_option("--state", options->state, "JSON, - for standard input; default: neutral")
@@ -265,7 +265,7 @@ void add_mobility(CLI::App& app, int& exit_code) {
           "POSITIVE"));
   mobility->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
-  mobility->footer(footer);
+  mobility->footer(mobility_footer);
   mobility->callback([options, &exit_code] {
     run(*options);
     exit_code = all_well;

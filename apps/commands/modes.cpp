@@ -1,11 +1,11 @@
 #include "apps/commands/modes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "axode/recursion/decompositions.hpp"
 
 namespace axode::command {
 namespace {
@@ -22,11 +22,6 @@ double largest_rate(const Matrix& A) {
   return std::sqrt(std::max(1.0, A.bottomLeftCorner(nv, nv).lpNorm<Eigen::Infinity>()));
 }
 
-struct Spectrum {
-  Eigen::VectorXcd eigenvalues;
-  Eigen::MatrixXcd eigenvectors;
-};
-
 /// A basis of the null space of A, where numbers that are rounding errors relative to `scale` count as 0.
 Matrix null_space(const Matrix& A, double scale) {
   Eigen::FullPivLU<Matrix> lu(A);
@@ -39,21 +34,16 @@ Matrix null_space(const Matrix& A, double scale) {
 /// null space of A splits off the defective eigenvalue 0 of bodies that can drift: QᵀAQ is block triangular,
 /// with the block 0 for the null space and a block A2. The same is done with A2 and so on, until the null
 /// space is empty (Kublanovskaya 1966).
-Spectrum nonzero_spectrum(const Matrix& A, double scale) {
+GeneralEigen nonzero_spectrum(const Matrix& A, double scale) {
   if (A.rows() == 0) return {};
   const Matrix kernel = null_space(A, scale);
-  if (kernel.cols() == 0) {
-    const Eigen::EigenSolver<Matrix> solver(A);
-    if (solver.info() != Eigen::Success) throw std::runtime_error("the eigenvalues of A did not converge");
-    return {solver.eigenvalues(), solver.eigenvectors()};
-  }
+  if (kernel.cols() == 0) return general_eigen(A);
   const Matrix Q = Eigen::HouseholderQR<Matrix>(kernel).householderQ();
   const Matrix Q1 = Q.leftCols(kernel.cols()), Q2 = Q.rightCols(A.cols() - kernel.cols());
-  Spectrum found = nonzero_spectrum(Q2.transpose() * A * Q2, scale);
-  const Eigen::MatrixXcd y = found.eigenvectors;
+  GeneralEigen found = nonzero_spectrum(Q2.transpose() * A * Q2, scale);
+  const Eigen::MatrixXcd y = found.vectors;
   if (y.cols() > 0)
-    found.eigenvectors =
-        Q1 * (Q1.transpose() * A * Q2) * y * found.eigenvalues.cwiseInverse().asDiagonal() + Q2 * y;
+    found.vectors = Q1 * (Q1.transpose() * A * Q2) * y * found.values.cwiseInverse().asDiagonal() + Q2 * y;
   return found;
 }
 
@@ -86,14 +76,14 @@ Modes modes(const Matrix& A) {
   for (Eigen::Index k = 0; k < kernel.cols(); ++k) found.all.push_back({0, shape(kernel.col(k))});
   std::ranges::stable_sort(found.all, {}, [](const Mode& mode) { return largest_entry(mode.shape); });
 
-  const Spectrum spectrum = nonzero_spectrum(balanced, scale);
-  found.zeros = static_cast<int>(A.rows() - spectrum.eigenvalues.size());
+  const GeneralEigen spectrum = nonzero_spectrum(balanced, scale);
+  found.zeros = static_cast<int>(A.rows() - spectrum.values.size());
   const auto part = [&](double x) { return std::abs(x) <= zero ? 0 : x; };
   std::vector<Mode> others;
-  for (Eigen::Index k = 0; k < spectrum.eigenvalues.size(); ++k) {
-    const std::complex<double> lambda = spectrum.eigenvalues[k];
+  for (Eigen::Index k = 0; k < spectrum.values.size(); ++k) {
+    const std::complex<double> lambda = spectrum.values[k];
     if (part(lambda.imag()) >= 0)
-      others.push_back({{part(lambda.real()), part(lambda.imag())}, shape(spectrum.eigenvectors.col(k))});
+      others.push_back({{part(lambda.real()), part(lambda.imag())}, shape(spectrum.vectors.col(k))});
   }
   std::ranges::stable_sort(others, {}, [](const Mode& mode) { return std::abs(mode.eigenvalue); });
   found.all.insert(found.all.end(), others.begin(), others.end());

@@ -21,14 +21,14 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct PlotOptions {
   std::vector<std::string> tables, columns;
   std::string picture, logarithmic;
   ModelOptions mechanism;
   bool bars = false;
 };
 
-constexpr const char* footer =
+constexpr const char* plot_footer =
     R"(TABLE is a CSV file with the names of its columns in the first line, as `axode simulate --output
 run.csv` writes it. The first column is the horizontal axis, and each other column is a curve. Columns
 with the same first word, or the same words before a colon, share a panel of that name: "q pin" and "q
@@ -172,7 +172,7 @@ class TableReader {
   std::size_t rows_ = 0;
 };
 
-void run(const Options& options, int& exit_code) {
+void run(const PlotOptions& options, int& exit_code) {
   const Logarithmic logarithmic =
       options.logarithmic.empty() ? Logarithmic{} : choose("--log", options.logarithmic, logarithmic_axes);
   if (options.bars && (logarithmic.x || logarithmic.y))
@@ -204,7 +204,7 @@ void run(const Options& options, int& exit_code) {
 }  // namespace
 
 void add_plot(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PlotOptions>();
   CLI::App* plot = app.add_subcommand("plot", "Draw a chart of columns of numbers");
   plot->add_option("TABLE", options->tables, "CSV files, or - for standard input")
       ->required()
@@ -221,7 +221,7 @@ void add_plot(CLI::App& app, int& exit_code) {
       ->needs(model);
   add_columns_option(*plot, options->columns);
   plot->add_flag("--bars", options->bars, "Bars instead of curves");
-  plot->footer(footer);
+  plot->footer(plot_footer);
   plot->callback([options, &exit_code] { run(*options, exit_code); });
 }
 

@@ -30,7 +30,7 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct SimulateOptions {
   ModelOptions mechanism;
   std::string state, target, method, coordinates = "relative", local_coordinates = "exponential",
                                      format = "table";
@@ -45,7 +45,7 @@ struct Options {
   std::vector<std::string> columns;
 };
 
-constexpr const char* footer =
+constexpr const char* simulate_footer =
     R"(Simulates a mechanism from a state at t = 0 under gravity, constant drive forces and loads. The
 integration is on the Lie group of configurations: quaternions stay unit quaternions, and no orientation
 is singular.
@@ -96,7 +96,7 @@ with t, q, v, a, tau, the energy and loads, under names; .npz these as arrays: q
 names. Ctrl-C ends the motion; the part computed so far is written.)";
 
 /// The drive forces of a simulation: the constant ones of the state plus those of the controller.
-Drive drive_of(const Model& model, const State& state, const Options& options) {
+Drive drive_of(const Model& model, const State& state, const SimulateOptions& options) {
   const Drive constant = [&state](double, std::span<const double>, std::span<const double>,
                                   std::span<double> tau) { std::ranges::copy(state.tau, tau.begin()); };
   if (options.gains.empty()) {
@@ -115,7 +115,7 @@ Drive drive_of(const Model& model, const State& state, const Options& options) {
   return ProportionalDerivative(model, {kp, kd}, {model, target.q, target.v}, constant);
 }
 
-std::string method_of(const Options& options, const Model& model) {
+std::string method_of(const SimulateOptions& options, const Model& model) {
   if (options.contact) return "contact";
   return options.method.empty() ? std::string(usual_method(model)) : options.method;
 }
@@ -126,7 +126,8 @@ bool has_hard_stops(const Model& model) {
   });
 }
 
-Trajectory motion_of(const Model& model, const State& state, const Drive& drive, const Options& options) {
+Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
+                     const SimulateOptions& options) {
   SimulationOptions acting;
   acting.drive = drive;
   acting.loads = state.loads;
@@ -164,7 +165,7 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
 }
 
 /// Throws UsageError for a name in --columns that no curve of any motion of the mechanism has.
-void check_columns(const Model& model, const Options& options) {
+void check_columns(const Model& model, const SimulateOptions& options) {
   if (options.columns.empty()) return;
   // A chart of one state that has forces everywhere has all curves.
   const auto zeros = [](int n) { return std::vector<double>(static_cast<std::size_t>(n)); };
@@ -239,7 +240,7 @@ void print(const Trajectory& motion, const WrittenMotion& rows) {
 }
 
 /// Computes a kinematic motion (without dynamics), writes it to files and prints it.
-void run_kinematic(const Options& options, const Model& model, const State& state,
+void run_kinematic(const SimulateOptions& options, const Model& model, const State& state,
                    const std::vector<FileFormat>& kinds) {
   constexpr int usual = 100;  // intervals if none are asked for
   const int intervals = options.samples > 0 ? options.samples : usual;
@@ -290,7 +291,7 @@ void run_kinematic(const Options& options, const Model& model, const State& stat
   if (!motion.complete) throw InputError("the motion ended early, " + motion.stop_reason);
 }
 
-void run(const Options& options, int& exit_code) {
+void run(const SimulateOptions& options, int& exit_code) {
   const Format format = choose("--format", options.format, formats);
   if (options.samples < 0)
     throw UsageError(fmt::format("--samples is {}; it must not be negative", options.samples));
@@ -339,7 +340,7 @@ void run(const Options& options, int& exit_code) {
 }  // namespace
 
 void add_simulate(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SimulateOptions>();
   CLI::App* simulate = app.add_subcommand("simulate", "Compute the motion from a state");
   add_model_options(*simulate, options->mechanism);
   add_floor_option(*simulate, options->mechanism);
@@ -394,7 +395,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   add_columns_option(*simulate, options->columns);
   simulate->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
-  simulate->footer(footer);
+  simulate->footer(simulate_footer);
   simulate->callback([options, &exit_code] { run(*options, exit_code); });
 }
 

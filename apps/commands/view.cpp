@@ -21,12 +21,12 @@
 namespace axode::command {
 namespace {
 
-struct Options {
+struct ViewOptions {
   ModelOptions mechanism;
   std::string state, motion, output;
 };
 
-constexpr const char* footer =
+constexpr const char* view_footer =
     R"(Writes a page for a browser that shows the mechanism with its meshes, controls for its joints, the joint
 screws, and a motion with its twists, wrenches and energies. The page is one file and needs no network.
 Without --output it is written to a folder for temporary files and opened.
@@ -88,7 +88,7 @@ std::string size_of(std::uintmax_t bytes) {
                            : fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-void run(const Options& options) {
+void run(const ViewOptions& options) {
   const std::string page = empty_page();
   const Model model = load(options.mechanism);
   SceneOptions shown;
@@ -115,7 +115,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_view(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ViewOptions>();
   CLI::App* view = app.add_subcommand("view", "Show a mechanism and its motion in a browser");
   add_model_options(*view, options->mechanism);
   view->add_option("--state", options->state,
@@ -125,7 +125,7 @@ void add_view(CLI::App& app, int& exit_code) {
   view->add_option("--motion", options->motion, "A .csv, .json or .npz of `axode simulate --output`")
       ->type_name("FILE");
   view->add_option("--output", options->output, "Write the page here and do not open it")->type_name("FILE");
-  view->footer(footer);
+  view->footer(view_footer);
   view->callback([options, &exit_code] {
     run(*options);
     exit_code = all_well;

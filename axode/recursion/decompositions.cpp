@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <stdexcept>
 
 namespace axode {
 
@@ -39,6 +40,12 @@ SingularValues singular_values(const Eigen::Ref<const Eigen::MatrixXd>& A) {
 
 SymmetricEigen symmetric_eigen(const Eigen::Ref<const Eigen::MatrixXd>& A) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(A);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+GeneralEigen general_eigen(const Eigen::Ref<const Eigen::MatrixXd>& A) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
+  if (solver.info() != Eigen::Success) throw std::runtime_error("the eigenvalues of A did not converge");
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 

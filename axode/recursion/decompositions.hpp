@@ -52,6 +52,14 @@ struct SymmetricEigen {
 };
 SymmetricEigen symmetric_eigen(const Eigen::Ref<const Eigen::MatrixXd>& A);
 
+/// Eigenvalues of a square matrix, and eigenvectors of norm 1 as columns.
+struct GeneralEigen {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors;
+};
+/// Throws std::runtime_error if the eigenvalues do not converge.
+GeneralEigen general_eigen(const Eigen::Ref<const Eigen::MatrixXd>& A);
+
 /// Returns an orthonormal basis, as rows, of the orthogonal complement of the orthonormal rows of T.
 Eigen::MatrixXd orthogonal_complement(const Eigen::Ref<const Eigen::MatrixXd>& T);
 
