@@ -9,6 +9,7 @@
 
 #include "apps/shell/commands.hpp"
 #include "axode/constraints/assembly.hpp"
+#include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/prescribed/motion_function.hpp"
 #include "axode/model/configuration.hpp"
 
@@ -82,6 +83,17 @@ void assemble(const Model& model, const Assembling& assembling, State& state) {
   if (closed.status != AssemblyStatus::closed) throw InputError(to_string(model, closed));
   state.q = std::move(closed.q);
   state.v = std::move(closed.v);
+}
+
+std::optional<std::string> open_loop(const Model& model, const State& state) {
+  if (model.loops().empty()) return std::nullopt;
+  LoopWorkspace<double> workspace(model);
+  try {
+    check_closed(checked<double>(model, workspace, state.q), state.q, state.v);
+  } catch (const std::invalid_argument& open) {
+    return open.what();
+  }
+  return std::nullopt;
 }
 
 }  // namespace axode::command

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,5 +27,8 @@ void add_assembly_options(CLI::App& app, Assembling& assembling);
 /// move. Throws InputError if the loops cannot be closed, and UsageError if --hold is given without
 /// --assemble or names a coupled joint.
 void assemble(const Model& model, const Assembling& assembling, State& state);
+/// Returns a sentence on a loop that is open at a state, or that its velocities open; nothing if the loops
+/// are closed.
+std::optional<std::string> open_loop(const Model& model, const State& state);
 
 }  // namespace axode::command

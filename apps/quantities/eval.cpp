@@ -166,11 +166,12 @@ Json joint_layout(const Model& model) {
   return layout;
 }
 
-Json as_json(const Question& ask, const std::string& representation, const Json& results,
-             const Json& labels) {
+Json as_json(const Question& ask, const std::string& representation, const Json& results, const Json& labels,
+             const std::optional<std::string>& open) {
   Json joints = Json::array(), coupled = Json::array(), warnings = Json::array();
   for (const Joint& joint : ask.model.joints()) (joint.leader ? coupled : joints).push_back(joint.name);
   for (const Fault& fault : ask.model.warnings()) warnings.push_back(to_string(fault));
+  if (open) warnings.push_back(*open);
   Json out{{"model", ask.model.name()}, {"nq", ask.model.nq()}, {"nv", ask.model.nv()}, {"joints", joints}};
   if (!coupled.empty()) out["coupled_joints"] = coupled;
   out["layout"] = joint_layout(ask.model);
@@ -183,7 +184,18 @@ Json as_json(const Question& ask, const std::string& representation, const Json&
   return out;
 }
 
-void print_warnings(const Question& ask, const Options& options) {
+/// Returns a warning if a loop is open at the state, which functions for closed loops do not see. `place`
+/// names the state. Throws InputError instead if warnings are errors.
+std::optional<std::string> warning_of_loops(const Question& ask, const Options& options,
+                                            const std::string& place = {}) {
+  std::optional<std::string> open = open_loop(ask.model, ask.state);
+  if (open) open = place + *open;
+  if (open && options.mechanism.strict) throw InputError(*open);
+  return open;
+}
+
+void print_warnings(const Question& ask, const Options& options, const std::optional<std::string>& open) {
+  if (open) fmt::print("\n{}\n", in(Ink::warning, "warning: " + *open));
   const auto warnings = ask.model.warnings();
   if (warnings.empty()) return;
   fmt::print("\n{}\n",
@@ -212,6 +224,7 @@ std::string heading(const Quantity& quantity, const std::string& label) {
 void run(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask) {
   ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
   assemble(ask.model, options.assembling, ask.state);
+  const std::optional<std::string> open = warning_of_loops(ask, options);
   Json results = Json::object(), labels = Json::object();
   std::string tables;
   for (const Quantity& quantity : chosen) {
@@ -223,13 +236,13 @@ void run(const Options& options, Format format, const std::vector<Quantity>& cho
     tables += heading(quantity, label) + answer.table.text();
   }
   if (format == Format::json) {
-    fmt::print("{}", text(as_json(ask, options.representation, results, labels)));
+    fmt::print("{}", text(as_json(ask, options.representation, results, labels, open)));
     return;
   }
   fmt::print("{}{}",
              state_tables(ask.model, ask.state.q, {{"v", ask.state.v}, {"a", ask.state.a}}, "per s, per s^2"),
              tables);
-  print_warnings(ask, options);
+  print_warnings(ask, options, open);
 }
 
 /// A table with the extremes of each number of a quantity over many states, and the states that have them.
@@ -269,6 +282,7 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
   Json results = Json::object(), labels = Json::object();
   Chart chart{.title = ask.model.name()};
   std::vector<std::vector<Curve>> curves_of_all;
+  std::optional<std::string> open;  // at the first state with an open loop
   for (const Quantity& quantity : chosen) {
     const std::string name(quantity.name);
     std::vector<Curve> curves;
@@ -276,6 +290,8 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
     for (std::size_t i = 0; i < sweep.states.size(); ++i) {
       ask.state = sweep.states[i];
       assemble(ask.model, options.assembling, ask.state);
+      if (!open && &quantity == chosen.data())
+        open = warning_of_loops(ask, options, fmt::format("state {}: ", i));
       const Answer answer = finite_answer(quantity, ask);
       results[name].push_back(answer.value);
       labels[name] = label_of(quantity, answer);
@@ -300,7 +316,7 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
   }
   if (!options.output.empty()) write_text(options.output, csv_of(sweep, chosen, curves_of_all));
   if (format == Format::json) {
-    Json out = as_json(ask, options.representation, results, labels);
+    Json out = as_json(ask, options.representation, results, labels, open);
     out["t"] = sweep.t;
     fmt::print("{}", text(out));
     return;
@@ -310,7 +326,7 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
   for (std::size_t k = 0; k < chosen.size(); ++k)
     fmt::print("{}{}", heading(chosen[k], labels[std::string(chosen[k].name)]),
                extremes(curves_of_all[k], sweep));
-  print_warnings(ask, options);
+  print_warnings(ask, options, open);
 }
 
 void run(const Options& options) {

@@ -266,6 +266,33 @@ TEST(Eval, TheTableNamesEveryJointAndSaysInWhichAxes) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(said));
 }
 
+TEST(Eval, SaysThatALoopIsOpenAtTheState) {
+  const std::string file = robot("four_bar.toml");
+  const Json open{{"q", {{"crank_joint", 0.5}}}}, parting{{"v", {{"crank_joint", 0.5}}}};
+  EXPECT_FALSE(eval(file, Json::object(), {}).contains("warnings"));
+  EXPECT_FALSE(eval(file, open, {"--assemble"}).contains("warnings"));
+  for (const auto& [state, what] : {std::pair{open, "q leaves loop \"pin\" open by "},
+                                    {parting, "v does not keep loop \"pin\" closed"}}) {
+    const std::vector<std::string> mass{"eval", file, "--state", "-", "--want", "mass_matrix"};
+    EXPECT_THAT(eval(file, state, {"--want", "mass_matrix"})["warnings"][0].get<std::string>(),
+                testing::HasSubstr(what));
+    const Outcome shown = axode(mass, state.dump());
+    EXPECT_EQ(shown.code, 0);
+    EXPECT_THAT(shown.out, testing::HasSubstr(std::string("warning: ") + what));
+    std::vector<std::string> strict = mass;
+    strict.push_back("--strict");
+    const Outcome refused = axode(strict, state.dump());
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.err, testing::HasSubstr(what));
+  }
+  const TemporaryFolder folder;
+  const std::string sweep = folder.write("sweep.csv",
+                                         "t,q crank_joint,q coupler_joint,q rocker_joint\n"
+                                         "0,0,0,0\n0.1,0.5,0,0\n");
+  EXPECT_THAT(axode({"eval", file, "--state", sweep, "--want", "mass_matrix"}).out,
+              testing::HasSubstr("warning: state 1: q leaves loop \"pin\" open by "));
+}
+
 TEST(Eval, DistancesHaveNearestPointsCertificatesAndJacobians) {
   const std::string file = AXODE_SOURCE_DIR "/tests/data/good/contact.toml";
   const Json out = eval(file, {{"q", {{"finger_joint", 0.1}}}}, {"--want", "distances"});
