@@ -17,6 +17,7 @@
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode::batch {
 namespace {
@@ -172,7 +173,7 @@ void check_drives(const MotionsUnderForces& motions, const DriveMotions& drives,
       throw std::invalid_argument("state " + std::to_string(k / nx) + ": the state \"" +
                                   system.states()[k % nx].name + "\" of a drive is not finite");
   if (!finite(drives.t) || (losses.friction && drives.t != 0))
-    throw std::invalid_argument("the motions begin at t = " + std::to_string(drives.t) +
+    throw std::invalid_argument("the motions begin at t = " + to_text(drives.t) +
                                 (losses.friction ? " s; with drives and dry friction or losses of gears, "
                                                    "they begin at 0 s"
                                                  : " s; it must be finite"));

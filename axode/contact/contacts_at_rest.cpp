@@ -12,6 +12,7 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/scalar/index.hpp"
+#include "axode/scalar/text.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {
@@ -19,7 +20,7 @@ namespace {
 
 void check_distance(const char* name, double x) {
   if (!(x >= 0 && std::isfinite(x)))
-    throw std::invalid_argument("contacts_at_rest: " + std::string(name) + " is " + std::to_string(x) +
+    throw std::invalid_argument("contacts_at_rest: " + std::string(name) + " is " + to_text(x) +
                                 " m; it must be finite and not negative");
 }
 

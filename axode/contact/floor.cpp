@@ -7,13 +7,13 @@
 
 #include "axode/lie/so3.hpp"
 #include "axode/model/building/builder.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 
 Model with_floor(const Model& model, double height) {
   if (!std::isfinite(height))
-    throw std::invalid_argument("with_floor: the height is " + std::to_string(height) +
-                                " m; it must be finite");
+    throw std::invalid_argument("with_floor: the height is " + to_text(height) + " m; it must be finite");
   const auto may_touch = [](const BodyDescription& body) {
     return std::ranges::find(body.shapes, ShapeDescription::Role::collision, &ShapeDescription::role) !=
            body.shapes.end();

@@ -7,6 +7,7 @@
 #include "axode/constraints/embedding/task_rates.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 namespace {
@@ -16,11 +17,10 @@ void check_drive(const ElasticDrive& drive, bool has_coordinate, const std::stri
     throw std::invalid_argument("the drive of \"" + velocity + "\" " + what);
   };
   if (!(drive.stiffness > 0))
-    refuse("has the stiffness " + std::to_string(drive.stiffness) +
+    refuse("has the stiffness " + to_text(drive.stiffness) +
            "; expected a positive number, or infinity for a rigid drive");
   if (!(drive.inertia >= 0) || std::isinf(drive.inertia))
-    refuse("has the inertia " + std::to_string(drive.inertia) +
-           "; expected a finite number that is not negative");
+    refuse("has the inertia " + to_text(drive.inertia) + "; expected a finite number that is not negative");
   if (!has_coordinate && !std::isinf(drive.stiffness))
     refuse("is elastic, but its joint has several velocities; give it an infinite stiffness");
 }

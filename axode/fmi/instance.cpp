@@ -9,6 +9,7 @@
 #include "axode/io.hpp"
 #include "axode/model/building/builder.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode::fmi {
 namespace {
@@ -32,7 +33,7 @@ Model read(std::string_view drawing) {
 }
 
 std::string open_at(double t) {
-  return "the loops do not stay closed at t = " + std::to_string(t) + " s; use a shorter step";
+  return "the loops do not stay closed at t = " + axode::to_text(t) + " s; use a shorter step";
 }
 
 }  // namespace
@@ -120,12 +121,12 @@ void Instance::step(double t, double h) {
   if (mode_ != Mode::step)
     throw std::runtime_error("a communication step was requested before the initialization had ended");
   if (!(h > 0))
-    throw std::runtime_error("the length of a communication step is " + std::to_string(h) +
+    throw std::runtime_error("the length of a communication step is " + axode::to_text(h) +
                              " s; it must be positive");
   constexpr double rounding = 1e-9;
   if (!(std::abs(t - motion_->t()) <= rounding * std::max({1.0, std::abs(t), h})))
-    throw std::runtime_error("the communication step begins at t = " + std::to_string(t) +
-                             " s, and the last one has ended at " + std::to_string(motion_->t()) + " s");
+    throw std::runtime_error("the communication step begins at t = " + axode::to_text(t) +
+                             " s, and the last one has ended at " + axode::to_text(motion_->t()) + " s");
   motion_->set_forces(at_.tau, applied(at_.wrenches, table_.loads()));
   motion_->advance(t + h);
   at_.t = motion_->t();
@@ -229,8 +230,8 @@ void Instance::set_states(Span states) {
   for (const Role role : {Role::coordinate, Role::velocity, Role::drive_state})
     for (const Variable& it : table_.of(role))
       if (const double x = states[k++]; !std::isfinite(x))
-        throw NoRates("the state \"" + it.name + "\" is " + std::to_string(x) +
-                      " at t = " + std::to_string(at_.t) + " s; it must be finite");
+        throw NoRates("the state \"" + it.name + "\" is " + axode::to_text(x) +
+                      " at t = " + axode::to_text(at_.t) + " s; it must be finite");
   for (std::vector<double>* part : {&at_.q, &at_.v, &at_.x}) {
     std::ranges::copy(states.first(part->size()), part->begin());
     states = states.subspan(part->size());

@@ -10,6 +10,7 @@
 #include "axode/eigen.hpp"
 #include "axode/integration/methods.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode::fmi {
 namespace {
@@ -58,7 +59,7 @@ SteppedMotion::SteppedMotion(const Model& model, const Settings& settings, doubl
       adaptive_(tolerance.has_value()),
       run_(fixed_->model, q, v, 0, fixed_->options) {
   if (t != 0 && !(model.motions().empty() && model.drives().empty()))
-    throw std::invalid_argument("co-simulation starts at t = " + std::to_string(t) +
+    throw std::invalid_argument("co-simulation starts at t = " + axode::to_text(t) +
                                 " s; a mechanism with prescribed motions or drives starts at 0 s");
   if (tolerance) {
     tolerances_.relative = *tolerance;

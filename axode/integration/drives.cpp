@@ -14,6 +14,7 @@
 #include "axode/integration/references/number_checks.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/recursion/least_squares.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 namespace {
@@ -28,8 +29,8 @@ std::vector<double> gains(const Model& model, const char* name, Span given) {
   std::vector<double> all = for_each_velocity(model, name, given);
   for (std::size_t k = 0; k < given.size(); ++k)
     if (!(given[k] >= 0) || !std::isfinite(given[k]))
-      throw std::invalid_argument(std::string(name) + "[" + std::to_string(k) + "] is " +
-                                  std::to_string(given[k]) + "; a gain must be finite and not negative");
+      throw std::invalid_argument(std::string(name) + "[" + std::to_string(k) + "] is " + to_text(given[k]) +
+                                  "; a gain must be finite and not negative");
   return all;
 }
 

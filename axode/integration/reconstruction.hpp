@@ -11,6 +11,7 @@
 #include "axode/integration/tableau.hpp"
 #include "axode/lie/cayley.hpp"
 #include "axode/lie/twist.hpp"
+#include "axode/scalar/text.hpp"
 
 /// Kinematic reconstruction: computes the motion C(t) of a body from its twist by C' = C V^b or C' = V^s C
 /// (eq. Vbs), with Runge-Kutta-Munthe-Kaas methods or Magnus' series. The function twist(t) gives the
@@ -33,7 +34,7 @@ std::vector<SE3<>> in_steps(const SE3<>& C0, std::span<const double> times, cons
   std::vector<SE3<>> C;
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (!(times[k] - times[k] == 0) || (k > 0 && !(times[k] > times[k - 1])))
-      throw std::invalid_argument("times[" + std::to_string(k) + "] is " + std::to_string(times[k]) +
+      throw std::invalid_argument("times[" + std::to_string(k) + "] is " + to_text(times[k]) +
                                   "; times must be finite and increase");
     C.push_back(k == 0 ? C0 : step(C.back(), times[k - 1], times[k] - times[k - 1]));
   }

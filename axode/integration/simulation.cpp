@@ -15,6 +15,7 @@
 #include "axode/integration/schemes/half_explicit.hpp"
 #include "axode/integration/schemes/rattle.hpp"
 #include "axode/integration/schemes/symplectic_step.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 namespace {
@@ -107,9 +108,8 @@ void check_smooth(const Model& model, const SimulationOptions& options, const st
   for (std::size_t c = 0; c < tree.friction.size(); ++c)
     if (tree.friction[c] != 0)
       throw std::invalid_argument("joint \"" + velocity_names(model)[c] + "\" has dry friction of " +
-                                  std::to_string(tree.friction[c]) +
-                                  ", a discontinuous force, which method \"" + method +
-                                  "\" does not support; use rk4 or euler");
+                                  to_text(tree.friction[c]) + ", a discontinuous force, which method \"" +
+                                  method + "\" does not support; use rk4 or euler");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "axode/model/building/fault.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 
@@ -23,11 +24,11 @@ void check(const Tableau& tableau) {
     double sum = 0;
     for (const double x : tableau.a[i]) sum += x;
     if (!(std::abs(sum - tableau.c[i]) <= 1e-12))
-      refuse("c[" + std::to_string(i) + "] is " + std::to_string(tableau.c[i]) + "; a[" + std::to_string(i) +
-             "] adds up to " + std::to_string(sum));
+      refuse("c[" + std::to_string(i) + "] is " + to_text(tableau.c[i]) + "; a[" + std::to_string(i) +
+             "] adds up to " + to_text(sum));
     weights += tableau.b[i];
   }
-  if (!(std::abs(weights - 1) <= 1e-12)) refuse("b adds up to " + std::to_string(weights) + "; expected 1");
+  if (!(std::abs(weights - 1) <= 1e-12)) refuse("b adds up to " + to_text(weights) + "; expected 1");
 }
 
 void check_step(double step) {

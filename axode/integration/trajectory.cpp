@@ -6,6 +6,7 @@
 
 #include "axode/eigen.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 
@@ -80,9 +81,9 @@ void Trajectory::pop_back() {
 std::size_t Trajectory::step_at(double time) const {
   if (t_.empty() || !(time >= t_.front() && time <= t_.back()))
     throw std::invalid_argument(
-        "t is " + std::to_string(time) + "; the trajectory " +
+        "t is " + to_text(time) + "; the trajectory " +
         (t_.empty() ? std::string("is empty")
-                    : "is from " + std::to_string(t_.front()) + " to " + std::to_string(t_.back()) + " s"));
+                    : "is from " + to_text(t_.front()) + " to " + to_text(t_.back()) + " s"));
   const auto after = std::upper_bound(t_.begin(), t_.end(), time);
   const std::size_t end = static_cast<std::size_t>(std::distance(t_.begin(), after));
   return std::min(end - 1, t_.size() - 1);

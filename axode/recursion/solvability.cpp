@@ -1,5 +1,7 @@
 #include "axode/recursion/solvability.hpp"
 
+#include "axode/scalar/text.hpp"
+
 namespace axode {
 namespace {
 
@@ -29,9 +31,9 @@ std::string to_string(const Model& model, const Solvability& solvability) {
     return "the gear of joint \"" + model.joint(i).name +
            "\" locks itself so strongly that a state has no or "
            "several accelerations: gear_loss_back is " +
-           std::to_string(dof.gear_loss_back.value_or(dof.gear_loss)) +
+           to_text(dof.gear_loss_back.value_or(dof.gear_loss)) +
            ", and it must be less than 1 + armature / (inertia that the gear moves); raise the armature, " +
-           std::to_string(dof.armature) + ", or lower gear_loss_back";
+           to_text(dof.armature) + ", or lower gear_loss_back";
   }
   const int i = solvability.singular_body;
   const std::string joint = "joint \"" + model.joint(i).name + '"';

@@ -12,6 +12,7 @@
 #include "axode/dynamics.hpp"
 #include "axode/dynamics/spring_elements.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/scalar/text.hpp"
 #include "axode/view/mesh_hull.hpp"
 
 namespace axode {
@@ -177,7 +178,7 @@ void check(const Model& model, const ShownMotion& motion) {
     const auto bad = std::ranges::find_if_not(rows, [](double x) { return std::isfinite(x); });
     if (bad != rows.end())
       throw std::invalid_argument(std::string(name) + ": number " + std::to_string(bad - rows.begin()) +
-                                  " is " + std::to_string(*bad) + "; it must be finite");
+                                  " is " + to_text(*bad) + "; it must be finite");
   };
   sized("motion.t", motion.t, 1, "one for each time");
   sized("motion.q", motion.q, model.nq(), "nq for each time");

@@ -134,7 +134,7 @@ struct ContactMotion {
           return f([&] { return throttle.should_continue(0); });
         });
     if (!found.ok())
-      throw std::invalid_argument("at " + std::to_string(found.failure.t) + " s " + found.failure.why);
+      throw std::invalid_argument("at " + to_text(found.failure.t) + " s " + found.failure.why);
     return found;
   }
 };

@@ -265,8 +265,8 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     for (nb::ssize_t k = 0; k < sample_times->size(); ++k) {
       const double t = sample_times->data()[k];
       if (t < 0 || t > until || (k > 0 && !(t > sample_times->data()[k - 1])))
-        throw nb::value_error(("times[" + std::to_string(k) + "] is " + std::to_string(t) +
-                               "; times must increase, from 0 to until = " + std::to_string(until))
+        throw nb::value_error(("times[" + std::to_string(k) + "] is " + to_text(t) +
+                               "; times must increase, from 0 to until = " + to_text(until))
                                   .c_str());
     }
   }

@@ -159,7 +159,7 @@ TEST(DriveRollouts, StickAndSlideAsSimulationsDo) {
                                                    late.v, call.method, 1, {}, true, {}, {.t = 1}));
         },
         testing::ThrowsMessage<std::invalid_argument>(
-            testing::HasSubstr("the motions begin at t = 1.000000 s; with drives and dry friction or losses "
+            testing::HasSubstr("the motions begin at t = 1 s; with drives and dry friction or losses "
                                "of gears, they begin "
                                "at 0 s")));
   }

@@ -152,7 +152,7 @@ TEST(FmuHardStop, IsRefusedWhereItDoesNotAct) {
     return "nothing was refused";
   };
   EXPECT_EQ(refusal([&] { instance.exit_initialization(); }),
-            "joint \"pin\" is at 1.100000 at the start; its hard stops are at -1.000000 and 1.000000");
+            "joint \"pin\" is at 1.1 at the start; its hard stops are at -1 and 1");
   Description d = model.description();
   d.bodies[1].joint.dof = {{.friction = 0.1}};
   const Model rubs = ModelBuilder(d).build();

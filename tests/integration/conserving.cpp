@@ -370,7 +370,7 @@ TEST(ConservingSchemes, RefuseForcesThatJump) {
   const Numbers q{0}, v{1};
   SimulationOptions options{.joint_losses = true};
   EXPECT_EQ(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0.1, 2, options); }),
-            "joint \"rail\" has dry friction of 0.500000, a discontinuous force, which method "
+            "joint \"rail\" has dry friction of 0.5, a discontinuous force, which method "
             "\"midpoint\" does not support; use rk4 or euler");
   SimulationOptions events;
   events.events.push_back({.value = [](double, Span x, Span) { return x[0] - 0.5; }});

@@ -214,10 +214,10 @@ TEST(ElasticDrives, AreRefusedWithANameAndARule) {
   const std::string name = "the drive of \"" + velocity_names(arm)[2] + "\" ";
   EXPECT_EQ(made({1000, 0.1}), "no error");
   EXPECT_EQ(made({0, 0.1}), name +
-                                "has the stiffness 0.000000; expected a positive number, or infinity for a "
+                                "has the stiffness 0; expected a positive number, or infinity for a "
                                 "rigid drive");
   EXPECT_EQ(made({1000, -1}),
-            name + "has the inertia -1.000000; expected a finite number that is not negative");
+            name + "has the inertia -1; expected a finite number that is not negative");
   EXPECT_EQ(message_of([&] {
               ElasticFeedForward(arm, std::vector<ElasticDrive>(6, {1, 1}));
             }),

@@ -7,6 +7,7 @@
 
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/scalar/index.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 namespace {
@@ -18,7 +19,7 @@ void check_numbers(const char* name, std::span<const double> x, std::size_t size
   for (std::size_t k = 0; k < size; ++k)
     if (!std::isfinite(x[k]))
       throw std::invalid_argument("ContactDynamics: " + std::string(name) + "[" + std::to_string(k) +
-                                  "] is " + std::to_string(x[k]) + "; all numbers must be finite");
+                                  "] is " + to_text(x[k]) + "; all numbers must be finite");
 }
 
 }  // namespace
@@ -50,10 +51,10 @@ void ContactDynamics::check(std::span<const double> q, std::span<const double> v
   check_configuration(model, q);
   check_loads(model, loads);
   if (!(options.h > 0 && std::isfinite(options.h)))
-    throw std::invalid_argument("ContactDynamics: the step h is " + std::to_string(options.h) +
+    throw std::invalid_argument("ContactDynamics: the step h is " + to_text(options.h) +
                                 " s; it must be positive");
   if (!(options.threshold >= 0))
-    throw std::invalid_argument("ContactDynamics: the threshold is " + std::to_string(options.threshold) +
+    throw std::invalid_argument("ContactDynamics: the threshold is " + to_text(options.threshold) +
                                 " m/s; it must not be negative");
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& c = contacts[k];
@@ -68,13 +69,13 @@ void ContactDynamics::check(std::span<const double> q, std::span<const double> v
     const SurfacePair& s = c.surface;
     for (const double mu : {s.friction, s.spin_friction, s.rolling_friction})
       if (!(mu >= 0 && std::isfinite(mu)))
-        refuse(" has a friction of " + std::to_string(mu) + "; it must be finite and not negative");
+        refuse(" has a friction of " + to_text(mu) + "; it must be finite and not negative");
     if (s.compliance)
       refuse(" has a stiffness; ContactDynamics knows rigid contacts, and simulations compliant ones");
     if (!(s.restitution >= 0 && s.restitution <= 1))
-      refuse(" has a restitution of " + std::to_string(s.restitution) + "; it must be between 0 and 1");
+      refuse(" has a restitution of " + to_text(s.restitution) + "; it must be between 0 and 1");
     if (!(std::abs(norm(c.normal) - 1) < 1e-9))
-      refuse(" has a normal of length " + std::to_string(norm(c.normal)) + "; it must be a unit vector");
+      refuse(" has a normal of length " + to_text(norm(c.normal)) + "; it must be a unit vector");
     if (!std::isfinite(c.gap + dot(c.point, c.point))) refuse(" has a gap or a point that is not finite");
   }
 }

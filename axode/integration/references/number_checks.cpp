@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "axode/scalar/text.hpp"
+
 namespace axode {
 
 void check_finite(const char* name, std::span<const double> x) {
@@ -15,7 +17,7 @@ void check_finite(const char* name, std::span<const double> x) {
 void check_times(std::span<const double> t) {
   for (std::size_t k = 0; k < t.size(); ++k)
     if (!std::isfinite(t[k]) || (k > 0 && !(t[k] > t[k - 1])))
-      throw std::invalid_argument("t[" + std::to_string(k) + "] is " + std::to_string(t[k]) +
+      throw std::invalid_argument("t[" + std::to_string(k) + "] is " + to_text(t[k]) +
                                   "; times must be finite and increase");
 }
 

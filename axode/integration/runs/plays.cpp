@@ -7,6 +7,7 @@
 
 #include "axode/model/building/builder.hpp"
 #include "axode/model/building/placement.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 
@@ -105,12 +106,12 @@ void Plays::refuse_beyond(std::size_t k, Span q) const {
   const Play& play = all_[k];
   const double x = deflection(k, q);
   if (play.joint.empty())
-    throw std::invalid_argument("coupling \"" + play.name + "\" is " + std::to_string(x) +
+    throw std::invalid_argument("coupling \"" + play.name + "\" is " + to_text(x) +
                                 " from the middle of its play at the start; its play is " +
-                                std::to_string(play.upper - play.lower) + " from end to end");
-  throw std::invalid_argument("joint \"" + play.joint + "\" is at " + std::to_string(x) +
-                              " at the start; its hard stops are at " + std::to_string(play.lower) + " and " +
-                              std::to_string(play.upper));
+                                to_text(play.upper - play.lower) + " from end to end");
+  throw std::invalid_argument("joint \"" + play.joint + "\" is at " + to_text(x) +
+                              " at the start; its hard stops are at " + to_text(play.lower) + " and " +
+                              to_text(play.upper));
 }
 
 Plays::Events Plays::start(Span q, std::span<double> v, const Engage& engage) {

@@ -102,7 +102,7 @@ void SimulationRun::check_friction_of_motions() const {
 
 void SimulationRun::stop(const Failure& failure) {
   trajectory.complete = false;
-  trajectory.stop_reason = "at t = " + std::to_string(failure.t) + " s: " + failure.why;
+  trajectory.stop_reason = "at t = " + to_text(failure.t) + " s: " + failure.why;
   if (!loops_ || loops_->motions().empty() || trajectory.size() == 0) return;
   if (const std::string where = loops_->singularity(as_span(q), now()); !where.empty())
     trajectory.stop_reason += "; the mechanism is " + where;

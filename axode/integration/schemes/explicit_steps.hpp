@@ -10,6 +10,7 @@
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/model/building/fault.hpp"
+#include "axode/scalar/text.hpp"
 
 /// Loops over the steps of explicit methods. The argument `run` is a simulation, such as a SimulationRun,
 /// with the present q, v and a, accelerate() for accelerations, and take_up_to(), which accepts a step up to

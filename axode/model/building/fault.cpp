@@ -1,8 +1,6 @@
 #include "axode/model/building/fault.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 
 namespace axode {
 
@@ -73,11 +71,5 @@ std::string summary(std::string_view model, const std::vector<Fault>& faults) {
 
 ModelError::ModelError(std::string_view model, std::vector<Fault> faults)
     : std::runtime_error(summary(model, faults)), faults_(std::move(faults)) {}
-
-std::string to_text(double x) {
-  std::array<char, 32> buffer;
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), x).ptr;
-  return std::string(buffer.data(), end);
-}
 
 }  // namespace axode

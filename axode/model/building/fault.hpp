@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "axode/scalar/text.hpp"
+
 namespace axode {
 
 /// The file and the line where a mechanism or one of its elements is described. `file` is empty if the
@@ -75,8 +77,5 @@ class ModelError : public std::runtime_error {
  private:
   std::vector<Fault> faults_;
 };
-
-/// A number in its shortest decimal form that reads back to the same double.
-std::string to_text(double x);
 
 }  // namespace axode

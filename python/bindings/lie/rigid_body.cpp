@@ -53,7 +53,7 @@ using namespace nb::literals;
 
 void check_mass(const Inertia<>& M) {
   if (!(M.m > 0))
-    throw nb::value_error(("M: its mass is " + std::to_string(M.m) + "; expected one above 0").c_str());
+    throw nb::value_error(("M: its mass is " + to_text(M.m) + "; expected one above 0").c_str());
 }
 
 void add_inertia(nb::module_& lie) {

@@ -225,7 +225,7 @@ class StatesOf {
           undefined_.push_back(k);
         } else {
           throw std::invalid_argument("q: the quaternion of joint \"" + model_.joint(i).name +
-                                      "\" has norm " + std::to_string(length) + "; it must be 1 to " +
+                                      "\" has norm " + to_text(length) + "; it must be 1 to " +
                                       (tolerance < 1e-5 ? "1e-6" : "1e-4"));
         }
       }

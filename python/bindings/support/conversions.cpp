@@ -28,7 +28,7 @@ SE3<> pose_from(const std::string& argument, const double* C) {
         (argument +
          ": expected a pose, a matrix of a rotation and an origin with (0, 0, 0, 1) as its last "
          "row; " +
-         (off > 1e-6 ? "its rotation is off by " + std::to_string(off) : "its last row differs"))
+         (off > 1e-6 ? "its rotation is off by " + to_text(off) : "its last row differs"))
             .c_str());
   return pose;
 }

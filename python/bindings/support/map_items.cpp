@@ -11,7 +11,7 @@ void check_structure(const char* argument, const char* expected,
   const double off = (given - made).cwiseAbs().maxCoeff(&i, &j);
   if (off <= 1e-6 * given.cwiseAbs().maxCoeff()) return;
   throw nb::value_error((std::string(argument) + ": expected " + expected + "; its entry (" +
-                         std::to_string(i) + ", " + std::to_string(j) + ") is off by " + std::to_string(off))
+                         std::to_string(i) + ", " + std::to_string(j) + ") is off by " + to_text(off))
                             .c_str());
 }
 
@@ -20,15 +20,14 @@ void check_rotation(const char* argument, const SO3<>& R) {
   if (off <= 1e-6) return;
   throw nb::value_error((std::string(argument) +
                          ": expected a rotation, an orthogonal matrix with determinant 1; it is off by " +
-                         std::to_string(off))
+                         to_text(off))
                             .c_str());
 }
 
 void check_unit(const char* argument, const char* what, double norm) {
   if (std::abs(norm - 1) <= 1e-6) return;
   throw nb::value_error(
-      (std::string(argument) + ": expected a " + what + ", got one of length " + std::to_string(norm))
-          .c_str());
+      (std::string(argument) + ": expected a " + what + ", got one of length " + to_text(norm)).c_str());
 }
 
 Shape first_axes(const Numbers& numbers, int axes) {
