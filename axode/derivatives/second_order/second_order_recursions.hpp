@@ -52,8 +52,9 @@ template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool jo
 
 template <class Rep, class T> struct SecondOrderRecursion;
 
-/// The recursion for τ, τ' and τ'' in body-fixed twists, by (D3.1) to (D3.5) of docs/derivations. Twists and
-/// wrenches are differentiated by components, in the axes of the bodies.
+/// Computes the joint forces τ and their first two time derivatives τ' and τ'' by a recursion with twists and
+/// wrenches in body axes ((D3.1) to (D3.5) of docs/derivations). The time derivative of a twist or wrench has
+/// the derivatives of its components in the moving axes of its body.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   using V6 = Twist<BodyFixed, T>;
   using W6 = Wrench<BodyFixed, T>;
@@ -128,8 +129,9 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   }
 };
 
-/// The recursion for τ, τ' and τ'' in hybrid twists ((D3.6) to (D3.8) of docs/derivations). The axes are
-/// inertial, so that the derivatives of components are those of vectors.
+/// Computes the joint forces τ and their first two time derivatives τ' and τ'' by a recursion with hybrid
+/// twists ((D3.6) to (D3.8) of docs/derivations). The axes are inertial, so that the time derivatives of the
+/// components of a vector are the components of its time derivative.
 template <class T> struct SecondOrderRecursion<Hybrid, T> {
   using V6 = Twist<Hybrid, T>;
   using W6 = Wrench<Hybrid, T>;
