@@ -21,7 +21,9 @@ namespace axode {
 
 template <class Rep, class T> struct Link;
 
-/// Link in body-fixed representation: V_i^b = Ad_{C_ip} V_p^b + X v with the joint screw X (eq. VbRec).
+/// The transformations between body i and its predecessor p (Link) in body-fixed representation: V_i^b =
+/// Ad_{C_ip} V_p^b + X v for the joint velocities v, with the body-fixed screws X of the joint and the pose
+/// C_ip of p relative to i (Müller, eq. VbRec).
 template <class T> struct Link<BodyFixed, T> {
   SE3<T> C_pi;
 
@@ -61,7 +63,8 @@ template <class T> struct Link<BodyFixed, T> {
   }
 };
 
-/// Link in spatial representation: V_i^s = V_p^s + J^s v with the joint screw J^s (eqs. Vsrec, Vsirec).
+/// The transformations between body i and its predecessor p (Link) in spatial representation: V_i^s = V_p^s +
+/// J^s v for the joint velocities v, with the spatial screws J^s of the joint (Müller, eqs. Vsrec, Vsirec).
 template <class T> struct Link<Spatial, T> {
   SE3<T> C;
 
@@ -88,8 +91,9 @@ template <class T> struct Link<Spatial, T> {
 };
 
 /// The transformations between body i and its predecessor p (Link) in hybrid representation: V_i^h =
-/// Ad_{r_ip} V_p^h + Ad_R X v with the body-fixed screw X of the joint (Müller, eq. VhRec). r_pi is the
-/// vector from the origin of p to that of i in inertial axes, and r_ip = -r_pi.
+/// Ad_{r_ip} V_p^h + Ad_R X v for the joint velocities v, with the body-fixed screws X of the joint (Müller,
+/// eq. VhRec). The rotation R maps the axes of body i to inertial axes. r_pi is the vector from the origin of
+/// p to that of i in inertial axes, and r_ip = -r_pi.
 template <class T> struct Link<Hybrid, T> {
   SO3<T> R;
   Vec3<T> r_pi;
@@ -160,7 +164,8 @@ template <class T> struct Link<Mixed, T> {
         C_pi.r, ArticulatedInertia<Mixed, T>{rotate(C_pi.R, M.A), (C_pi.R * M.B) * R_p, rotate(Rt_p, M.L)});
     return {M_p.A, M_p.B * Rt_p, M.L};
   }
-  /// The velocity terms of V'_i: those of hybrid twists with the angular part ω_i × (S v) in body axes.
+  /// The part of the twist rate V'_i that is due to velocities. The linear part is that of hybrid twists, and
+  /// the angular part is ω × s in axes of body i, with the angular velocities ω of body i and s of the joint.
   constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
                                      const Twist<Mixed, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
