@@ -3,13 +3,14 @@
 
 namespace axode {
 
-/// The derivative of the solution of a VelocityProblem along given directions, a column for each direction.
+/// The derivative of the solution of a VelocityProblem along given directions, a column for each direction. A
+/// direction is a change of the data w, Y and r of the problem.
 struct ProblemDerivative {
   Eigen::MatrixXd multipliers;  ///< dλ of rows scaled by friction coefficients, rows × directions
   Eigen::MatrixXd motion;       ///< d(w + Y λ), nv × directions
-  /// Whether the motion has a derivative along the given directions. It may have none if contacts that
-  /// slide are redundant, so that the laws do not determine how they share a load, or if the prescribed
-  /// velocities r of redundant contacts change in contradictory ways.
+  /// Whether the motion w + Y λ has a derivative along each given change of the data w, Y and r of a contact
+  /// problem. It may have none if contacts that slide are redundant, so that the laws do not determine how
+  /// they share a load, or if the prescribed velocities r of redundant contacts change in contradictory ways.
   bool unique = true;
   /// Whether a contact, stop or joint with friction is within rounding of the boundary between two branches
   /// of its law, such as stick and slide. The derivative is then that of the branch that was taken.
@@ -28,7 +29,8 @@ ProblemDerivative differentiate(const VelocityProblem& problem, const double* la
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
 
-/// The derivative of multipliers that obey contact laws, a column for each of the given directions.
+/// The derivative of multipliers that obey contact laws, a column for each given change (direction) of the
+/// data on which the velocities of the constraint rows depend.
 struct LawDerivative {
   Eigen::MatrixXd multipliers;          ///< dλ of rows scaled by friction coefficients, rows × directions
   bool unique = true, at_kink = false;  ///< see ProblemDerivative
@@ -38,7 +40,8 @@ struct LawDerivative {
 /// λ in any way. The laws are λ = resolve(z) with the trial impulse z = λ - u/d²: `resolve` maps a trial
 /// impulse to the impulse that the law allows, and d² is about the diagonal entry of the matrix J M⁻¹ Jᵀ
 /// for a row, with the Jacobian J of the rows and the mass matrix M. by_lambda (rows × rows) is ∂u/∂λ at
-/// constant data, and by_data (rows × directions) is the change of u along each direction at constant λ.
+/// constant data. by_data (rows × directions) is the change of u at constant λ for each direction, a change
+/// of the data.
 /// The multipliers change by
 ///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data                                                 (D11.18)
 /// with the derivative Z of `resolve` at z. In u, J and their changes, the rows of friction are multiplied

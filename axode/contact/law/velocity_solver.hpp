@@ -41,9 +41,10 @@ class VelocitySolver {
   /// Improves the multipliers `lambda` of the constraint rows, one number for each row, from their given
   /// values until the certificate, the relative error of the laws, is at most `tolerance`, or until rounding
   /// prevents progress. The rows are the scaled rows of the problem: friction rows are multiplied by the
-  /// coefficients of friction. If the certificate remains above 1e-9, the solver starts again from other
-  /// multipliers. Meanwhile it calls `monitor` repeatedly, unless this is empty, and ends if `monitor`
-  /// returns false. Memory must have been reserved. Allocates nothing, and throws only what `monitor` throws.
+  /// coefficients of friction. If the certificate is then above 1e-9, whatever the tolerance is, the solver
+  /// starts again from other multipliers; a certificate between the tolerance and 1e-9 causes no new start.
+  /// Meanwhile it calls `monitor` repeatedly, unless this is empty, and ends if `monitor` returns false.
+  /// Memory must have been reserved. Allocates nothing, and throws only what `monitor` throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
