@@ -38,7 +38,8 @@ template <class T> struct FastInverseMassMatrix {
  private:
   /// Computes the pivots D_i of the mass matrix M = LᵀDL and the rows of X = L⁻ᵀ, from the last row to the
   /// first. In the memory of M, row i becomes D_i L_ij = M_ij - Σ_c L_ci D_c L_cj for j <= i. Row i of X has
-  /// X_ii = 1 and X_ij = -Σ_c L_ci X_cj for j > i. The sums are over c > i, and x has the numbers -L_ci.
+  /// X_ii = 1 and X_ij = -Σ_c L_ci X_cj for j > i. The sums are over c > i. The array x is scratch memory and
+  /// holds -L_ci of the present row i for all c > i.
   template <class S> void factorize(const Tree<S>& tree, T* M) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();

@@ -45,7 +45,8 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
     poses.template run<std::same_as<Rep, Spatial> ? From::inertial_frame : From::root>(tree, q, keep);
   }
 
-  /// Writes the Jacobian J in Rep, nv columns, of the place with pose F in the internal frame of body i.
+  /// Writes the Jacobian J (nv columns) in representation Rep of a frame on body i. F is the pose of this
+  /// frame relative to the internal frame of the body.
   template <class Rep>
   void write(const Tree<T>& tree, int i, const SE3<T>& F, Twist<Rep, T>* J) const noexcept {
     const ScrewInRep<Rep> in_rep(body[i], F);
@@ -73,7 +74,7 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
       }
     });
   }
-  /// Converts joint screws to columns of the Jacobian of one place in Rep.
+  /// Converts joint screws to columns of the Jacobian, in representation Rep, of one frame on a body.
   template <class Rep> struct ScrewInRep {
     Vector r{};
     Matrix Rt;
@@ -93,9 +94,10 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
         return {X.w, v};
     }
   };
-  /// Writes the Jacobian J of one place for a tree with coupled joints. A coupled joint has the velocity of
-  /// its leader times a constant ratio. The column of the leader's velocity is the sum of the leader's screw
-  /// and of the screws of its coupled joints, each times its ratio.
+  /// Writes the Jacobian J of one frame on a body for a tree with coupled joints. A coupled joint has the
+  /// velocity of another joint, its leader, times a constant ratio. The column of the leader's velocity is
+  /// the sum of the screw of the leader and of the screws of the joints coupled to it, each times its ratio.
+  /// Only joints on the path from the body to the ground contribute.
   template <class Rep>
   [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const ScrewInRep<Rep>& in_rep,
                                 Twist<Rep, T>* J) const noexcept {
