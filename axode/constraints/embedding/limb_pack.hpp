@@ -15,8 +15,8 @@ struct LimbShape {
   int dependent = 0;  ///< number of velocities that follow from the others; those without a drive come first
   int passive = 0;    ///< number of dependent velocities without a drive
   int inner = 0;      ///< number of other velocities of the limb
-  bool coupled =
-      false;  ///< whether the mass matrix of the tree couples the limb with the platform's joint on the ground
+  /// Whether the mass matrix of the tree couples the limb with the platform's joint on the ground.
+  bool coupled = false;
   bool operator==(const LimbShape&) const = default;
 };
 

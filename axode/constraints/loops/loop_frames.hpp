@@ -24,10 +24,10 @@ template <class T> using SpatialWrench = Wrench<Spatial, T>;
 template <class T> using LoopWrenches = std::array<SpatialWrench<T>, 6>;
 
 /// The frames of a loop joint on its first body (a) and its second body (b), in inertial axes, with origins
-/// relative to a common point O.
+/// relative to a point O that is fixed in space.
 template <class T> struct LoopFrames { SE3<T> a, b; };
-/// The spatial twists of the two bodies of a loop joint about a common point O, and the rates of these
-/// twists. Joint accelerations may be left out of the rates.
+/// The twists of the two bodies of a loop joint in inertial axes about a point O that is fixed in space, the
+/// same for both bodies, and the rates of these twists. Joint accelerations may be left out of the rates.
 template <class T> struct EndMotion { Screw<T> V_i, V_j, dV_i, dV_j; };
 
 template <class T> T power(const SpatialWrench<T>& W, const Screw<T>& X) {
