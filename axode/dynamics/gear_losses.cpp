@@ -16,8 +16,9 @@ namespace {
 constexpr double rounding = 1e-13;
 /// A small number, relative to the compliance (the acceleration of a joint for a unit force on it), that is
 /// added to the diagonal of the equations of sticking joints, because in loops these may be singular.
-/// Iterative refinement removes its effect on the accelerations. A pivot of the test of uniqueness of the
-/// friction forces counts as 0 below this part of the compliance.
+/// Iterative refinement removes its effect on the accelerations. The number is also a tolerance: whether the
+/// friction forces are unique is tested by an elimination of the matrix in (D9.12), and a pivot of this
+/// elimination counts as 0 if it is at most this number times the compliance of its joint.
 constexpr double regularisation = 1e-12;
 
 }  // namespace
