@@ -65,9 +65,9 @@ void find_subtrees(Topology& t) {
       t.velocity_end.push_back(t.subtree_end[i] <= t.n ? t.iv[t.subtree_end[i]] : t.nv);
 }
 
-/// For each velocity, later velocities to which the mass matrix couples it, that is, which belong to one path
-/// to the ground with it. Of each path only the next later velocity is listed; the algorithm that computes
-/// the elimination tree needs no others.
+/// For each velocity c, velocities with larger indices to which the mass matrix couples c, because their
+/// joints and that of c are on one path from a body to the ground. Of each path, only the velocity with the
+/// next larger index is listed; the algorithm that computes the elimination tree needs no others.
 std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   std::vector<std::vector<int>> later(size(t.nv));
   std::multiset<int> path;  // velocities from the ground to the body where the walk is
@@ -90,8 +90,8 @@ std::vector<std::vector<int>> later_neighbours(const Topology& t) {
 }
 
 /// Computes velocity_parent, the elimination tree of the mass matrix, by the algorithm of Liu, and the depth
-/// of this tree. Velocities c are added from the last to the first. When c is added, it becomes the parent of
-/// the roots of all trees that contain a later velocity to which the mass matrix couples c.
+/// of this tree. Velocities c are added from the largest index to the smallest. When c is added, it becomes
+/// the parent of the roots of all trees that contain a velocity to which the mass matrix couples c.
 void find_velocity_parents(Topology& t) {
   const std::vector<std::vector<int>> later = later_neighbours(t);
   std::vector<int> root(size(t.nv), -1);
