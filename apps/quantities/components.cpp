@@ -29,9 +29,10 @@ Names velocities_of(Subgroup kind) {
   }
 }
 
-/// Makes a Component (later a curve of a chart) for each coordinate, or each velocity, of the joints that are
-/// not coupled. names_of(kind) returns the names of the coordinates, or velocities, of a kind of joint: first
-/// those of its rotations, then those of its translations, whose unit is a length.
+/// Makes a Component for each coordinate, or for each velocity, of the joints that are not coupled.
+/// names_of(kind) returns the names of the coordinates, or of the velocities, of a kind of joint: first the
+/// names for rotations, then those for translations. Translations have Component::length as their kind, and
+/// rotations Component::angle or Component::quaternion, for velocities too.
 std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup)) {
   std::vector<Component> all;
   for (int i = 1; i <= model.n_bodies(); ++i) {
