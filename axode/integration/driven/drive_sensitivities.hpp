@@ -14,8 +14,8 @@
 /// effects at a change whose time depends on the state: they neglect jumps of states at the change, and an
 /// explicit dependence of laws on time, other than through inputs that are functions of time. Displacements
 /// and gradients of q are left-trivialised, along q ⊕ ε dq. The components of loads are constant in the
-/// representation in which they are given. If loads.joint_losses is set, joint damping and friction act; Coulomb
-/// friction has the derivative 0. Springs, dampers and stops of the model act.
+/// representation in which they are given. If loads.joint_losses is set, joint damping and friction act;
+/// Coulomb friction has the derivative 0. Springs, dampers and stops of the model act.
 ///
 /// If x is empty, the drives choose their initial states, which are then taken as independent of q and v.
 /// Throws std::invalid_argument for wrong sizes, numbers of the initial state that are not finite,

@@ -358,10 +358,11 @@ void ExactContactRun::add_event(const ContactPhase::Impact& it, double t) {
                                        .shortened = it.shortened});
 }
 
-/// Adds the events at time t. Each impact in `met` is an event: a bounce, or a closure. Further events are
-/// those of contacts, stops and joints with friction that have closed or opened without an impact, or have
-/// begun, ceased or reversed sliding. They follow from a comparison of the list `before` with the present
-/// list of closed constraints. stopped[k] says whether the sliding velocity of constraint k of `before` has
+/// Adds the events at time t. Each impact in `met` is an event: a bounce, or a closure. In addition, contacts
+/// and stops have an event if they have closed or opened without an impact, and contacts and joints with
+/// dry friction if they have begun, ceased or reversed sliding. These events follow from a comparison of the
+/// list `before` with the present list of constraints, which contains the closed contacts and stops and all
+/// joints with dry friction. stopped[k] says whether the sliding velocity of constraint k of `before` has
 /// become 0.
 void ExactContactRun::note_changes(double t, const std::vector<ClosedConstraint>& before,
                                    const std::vector<ContactPhase::Impact>& met,
