@@ -14,7 +14,7 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-/// The place in a State that receives the numbers of a column of a CSV file.
+/// The entry of a State that receives the numbers of a column of a CSV file.
 struct Column {
   std::vector<double> State::*member = nullptr;  ///< the vector of the state; null for the time and for an
                                                  ///< ignored column

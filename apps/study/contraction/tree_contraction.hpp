@@ -9,7 +9,8 @@
 
 namespace axode::command {
 
-/// Runs the steps of a contraction in their order. LongestPath takes its place to count.
+/// Runs the steps of a contraction in their order. To count the operations on the critical path, LongestPath
+/// replaces this class.
 struct OneByOne {
   template <class F> void at(int, const F& f) { f(); }
   template <class F> void join(int, int, const F& f) { f(); }
