@@ -20,7 +20,8 @@ inline std::string rounded_text(const Vec3<>& a) {
   return out += ')';
 }
 
-/// Entries of a null vector are named in a message if they are larger than this part of its largest entry.
+/// Entries of a null vector are named in a message if they are larger than this fraction of its largest
+/// entry.
 inline constexpr double considerable = 0.1;
 /// The names, each in quotes, separated by commas and, before the last one, by "and".
 inline std::string listed(const std::vector<std::string>& names) {

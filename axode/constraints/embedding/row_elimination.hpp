@@ -15,10 +15,11 @@ namespace axode {
 /// The number of columns to be eliminated is an argument of reset(). Eliminated entries are not set to zero.
 template <class T> class RowElimination {
  public:
-  /// A pivot is certain if it is larger than this part of the largest entry of the columns to be eliminated.
-  static constexpr T certain = std::same_as<T, float> ? T(1e-3) : T(1e-6);
-  /// An entry is a rounding error if it is smaller than this part of the largest entry of the columns to be
+  /// A pivot is certain if it is larger than this fraction of the largest entry of the columns to be
   /// eliminated.
+  static constexpr T certain = std::same_as<T, float> ? T(1e-3) : T(1e-6);
+  /// An entry is a rounding error if it is smaller than this fraction of the largest entry of the columns to
+  /// be eliminated.
   static constexpr T rounding = std::same_as<T, float> ? T(1e-5) : T(1e-11);
 
   void reserve(std::size_t rows, std::size_t columns) {

@@ -16,8 +16,8 @@
 namespace axode {
 namespace {
 
-constexpr double rounding = 1e-13;  ///< pivots of J that are smaller than this part of the largest pivot
-                                    ///< count as 0
+constexpr double rounding = 1e-13;  ///< pivots of J that are smaller than this fraction of the largest
+                                    ///< pivot count as 0
 constexpr double reachable = 1e-9;  ///< largest RatesReached::missing of a derivative that counts as reached
 
 /// Writes to `out` those of the parts w and v of a six-vector that the target specifies.
@@ -45,8 +45,9 @@ template <class Rep> void check(std::span<const TwistTarget<Rep>> targets, std::
 }
 
 /// The linear systems whose solutions are the joint velocities and their time derivatives. All have the same
-/// matrix: the Jacobians of the places with wanted motions, and below them the Jacobian of the loop
-/// equations. The right side of each is `wanted - known`, where `known` has the terms with lower derivatives.
+/// matrix: the Jacobians of the frames or points on bodies that have wanted motions, and below them the
+/// Jacobian of the loop equations. The right side of each is `wanted - known`, where `known` has the terms
+/// with lower derivatives.
 template <class Rep> class RateSystem {
  public:
   RateSystem(const Model& model, Numbers<double> q, std::span<const TwistTarget<Rep>> targets, int orders)

@@ -21,15 +21,15 @@ template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 /// The multipliers are computed without the filter μ if each pivot in the Cholesky factorisation of A M⁻¹ Aᵀ
-/// is larger than this part of d², where d is the size of the pivot's equation, see LoopSystem::scale(). A is
-/// the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
+/// is larger than this fraction of d², where d is the size of the pivot's equation, see LoopSystem::scale().
+/// A is the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
 /// An equation of a loop joint counts as rounding errors, and is replaced by zeros so that its multiplier is
-/// 0, if g is less than this part of its size d (D7.7). Here g is the square root of the equation's diagonal
-/// entry of A M⁻¹ Aᵀ, with the Jacobian A of the loop equations and the mass matrix M. The size d is the
-/// largest of four numbers: g; 0.1 times the largest g of the equations of its loop; 1e-6 times the largest g
-/// of all equations; and 1e-4 times an estimate of the value that g would have if the terms of the equation
-/// did not cancel.
+/// 0, if g is less than this fraction of its size d (D7.7). Here g is the square root of the equation's
+/// diagonal entry of A M⁻¹ Aᵀ, with the Jacobian A of the loop equations and the mass matrix M. The size d is
+/// the largest of four numbers: g; 0.1 times the largest g of the equations of its loop; 1e-6 times the
+/// largest g of all equations; and 1e-4 times an estimate of the value that g would have if the terms of the
+/// equation did not cancel.
 template <class T> constexpr T vanishing_part = is_float<T> ? T(1e-4) : T(1e-9);
 constexpr float size_of_a_row_of_zeros = 1e15f;
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);

@@ -13,7 +13,7 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// A singularity is nearby if the least singular value is smaller than this part of the largest one.
+/// A singularity is nearby if the least singular value is smaller than this fraction of the largest one.
 constexpr double near = 0.05;
 
 }  // namespace
