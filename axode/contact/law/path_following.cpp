@@ -10,7 +10,7 @@
 namespace axode {
 namespace {
 
-constexpr double residual_part = 1e-8;  ///< largest residual of a point of the path, as a part of |w|
+constexpr double residual_part = 1e-8;  ///< largest residual of a point of the path, as a fraction of |w|
 constexpr double least_length = 1e-9, most_length = 2;
 constexpr double sharp =
     0.05;  ///< length of a step times 1 - cos of its turn: beyond, it may change the branch

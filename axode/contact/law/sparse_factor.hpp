@@ -95,7 +95,7 @@ class SparseFactor {
   std::vector<List> groups_;
   std::vector<int> list_;    ///< ranks
   std::vector<int> source_;  ///< row and column of each entry of list_ in the matrix that is added
-  std::vector<int> rank_;    ///< place of each index in the order of elimination
+  std::vector<int> rank_;    ///< position of each index in the order of elimination
   std::vector<int> index_, node_of_, pivot_, local_;  ///< entries by rank
   std::vector<double> values_, product_, x_, below_;
 };
