@@ -37,7 +37,7 @@ Matrix6X<T> jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   jacobian<Rep>(model, workspace, q, place, detail::twists_of<Rep>(J));
   return J;
 }
-/// The Jacobians of k places, one below the other: 6 k × nv.
+/// The Jacobians of k places, which are frames on bodies, one below the other: 6 k × nv.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<const Place<T>>> places) {

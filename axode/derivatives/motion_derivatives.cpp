@@ -29,14 +29,15 @@ template <class Rep, class T> Twist<Rep, T> derivative(const Vec3<Dual1<T>>& w, 
 
 template <class T> using V6 = Twist<BodyFixed, T>;
 
-/// The motion of a place: its pose, its body-fixed twist, and the time derivative of this twist.
+/// The motion of a place (a frame or a point on a body): its pose C, its body-fixed twist V, and the time
+/// derivative dV of this twist.
 template <class T> struct MovingPlace {
   SE3<T> C;
   V6<T> V, dV;
 
-  /// Converts changes of a motion to the representation Rep. X is the displacement of the pose in the frame
-  /// of the place: C becomes C exp(ε X^). by_V and by_dV are the changes of the body-fixed components of the
-  /// twist V and of their time derivative V'.
+  /// Converts changes of the motion of a frame or point on a body to the representation Rep. X is the
+  /// body-fixed displacement of its pose C, which becomes C exp(ε X^). by_V and by_dV are the changes of the
+  /// body-fixed components of the twist V and of their time derivative V'.
   template <class Rep> MotionChange<Rep, T> in(const V6<T>& X, const V6<T>& by_V, const V6<T>& by_dV) const {
     if constexpr (std::same_as<Rep, BodyFixed>) {
       return {X, by_V, by_dV};
@@ -52,7 +53,7 @@ template <class T> struct MovingPlace {
   }
 };
 
-/// The motion of a place and of all bodies, in body-fixed components.
+/// The motion of a place (a frame or a point on a body) and of all bodies, in body-fixed components.
 template <class T> struct MotionTo {
   const Tree<T>& tree;
   TreeMotion<BodyFixed, T> motion;

@@ -8,8 +8,7 @@ namespace axode {
 /// and of the time derivative V' of the components of V. Each of the four spans has nv twists, one for
 /// each direction of q or v. The spans must not overlap.
 template <class Rep, class T> struct MotionDerivatives {
-  std::span<Twist<Rep, T>> V_q, V_v;  ///< ∂V/∂q and ∂V/∂v; ∂V/∂v is the Jacobian of the place, equal to
-                                      ///< ∂V'/∂a
+  std::span<Twist<Rep, T>> V_q, V_v;  ///< ∂V/∂q and ∂V/∂v; ∂V/∂v is the Jacobian and equal to ∂V'/∂a
   std::span<Twist<Rep, T>> dV_q, dV_v;  ///< ∂V'/∂q and ∂V'/∂v
 };
 
