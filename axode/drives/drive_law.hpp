@@ -115,7 +115,7 @@ template <class Law> class DriveLawOf final : public DriveLaw {
   Law law_;
 };
 
-/// Hysteresis of limits: a status changes when its quantity has passed the limit by this part of it.
+/// Hysteresis of limits: a status changes when its quantity has passed the limit by this fraction of it.
 inline constexpr double past_limit = 1e-12;
 
 /// The status of a quantity limited to ±limit: 0 inside, or the sign of the limit at which it is held.
