@@ -271,9 +271,9 @@ TEST(DrivesWithStates, ChambersWithoutVolumeEndTheMotion) {
   d.drives[0].input.values = {0};
   const Model model = ModelBuilder(d).build();
   for (const auto& [q, chamber] : {std::pair{-0.5, "pressure_a"}, {1.5, "pressure_b"}})
-    EXPECT_EQ(simulate(model, {{q}}, {{0.0}}, 1).stop_reason,
-              "at t = 0 s: the rate of the drive state \"cylinder." + std::string(chamber) +
-                  "\" is not finite");
+    EXPECT_EQ(
+        simulate(model, {{q}}, {{0.0}}, 1).stop_reason,
+        "at t = 0 s: the rate of the drive state \"cylinder." + std::string(chamber) + "\" is not finite");
 }
 
 TEST(DrivesWithStates, ContinueAMotionFromTheirStates) {

@@ -216,8 +216,7 @@ TEST(ElasticDrives, AreRefusedWithANameAndARule) {
   EXPECT_EQ(made({0, 0.1}), name +
                                 "has the stiffness 0; expected a positive number, or infinity for a "
                                 "rigid drive");
-  EXPECT_EQ(made({1000, -1}),
-            name + "has the inertia -1; expected a finite number that is not negative");
+  EXPECT_EQ(made({1000, -1}), name + "has the inertia -1; expected a finite number that is not negative");
   EXPECT_EQ(message_of([&] {
               ElasticFeedForward(arm, std::vector<ElasticDrive>(6, {1, 1}));
             }),
