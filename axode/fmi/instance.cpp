@@ -22,10 +22,10 @@ constexpr double usual_drift = 1e-8, least_drift = 1e-10;
 /// A threshold of FMUs for model exchange without loops: if normalising the quaternions would change the
 /// state by more than this number, the FMU asks for an event, in which it normalises them.
 constexpr double usual_norm_error = 1e-6;
-/// The event indicator of the drives is the least of their margins plus this part of the largest margin so
-/// far. A margin becomes negative when a status of a drive, an integer that selects the form of its law, must
-/// change. Because of the added part, the margin is already negative at the time at which a solver locates
-/// the zero of the indicator, and the status changes.
+/// The event indicator of the drives is the least of their margins plus this fraction of the largest margin
+/// so far. A margin becomes negative when a status of a drive, an integer that selects the form of its law,
+/// must change. Because of the added number, the margin is already negative at the time at which a solver
+/// locates the zero of the indicator, and the status changes.
 constexpr double indicator_shift = 1e-9;
 
 Model read(std::string_view drawing) {
