@@ -126,7 +126,7 @@ class ContactPhase {
   std::string impact(const Vector& q, Vector& v, const IsLast& is_last, std::vector<Impact>& met,
                      double& certificate);
 
-  /// The gap at which a contact is closed: the rounding error of places, m.
+  /// The largest gap (m) of a contact that counts as closed: the rounding error of positions.
   double touching() const { return touching_; }
   const ContactShapes& shapes() const { return finder_.shapes(); }
   const ContactSystem& system() const { return system_; }

@@ -10,7 +10,8 @@ namespace {
 
 using Kind = Trajectory::ContactEvent::Kind;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// The part of all accelerations by which the reserve of a phase may be negative: its rounding error.
+/// The rounding error by which ContactPhase::reserve(), relative to the size of the accelerations, may be
+/// negative.
 constexpr double reserve_rounding = 5e-14;
 
 /// Events with a smaller distance occur together, s.

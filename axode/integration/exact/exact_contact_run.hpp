@@ -26,7 +26,7 @@ class ExactContactRun : public SimulationRun {
  private:
   /// The numbers that decide at a state whether the phase has ended.
   struct Marks {
-    double reserve = 0;  ///< ContactPhase::reserve(), as a part of all accelerations
+    double reserve = 0;  ///< ContactPhase::reserve(), relative to the size of the accelerations
     std::vector<double> slips = {}, speeds = {};
     std::vector<Gap> gaps = {};
   };

@@ -3,8 +3,8 @@
 
 namespace axode {
 
-/// The two times between which a gap becomes negative in a step, as parts of the length of the step: the gap
-/// is not negative at `before`, and negative at `after`. Both are infinite if the gap does not close.
+/// The two times between which a gap becomes negative in a step, as fractions of the length of the step: the
+/// gap is not negative at `before`, and negative at `after`. Both are infinite if the gap does not close.
 struct GapClosure {
   double before, after;
 };

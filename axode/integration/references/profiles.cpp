@@ -13,7 +13,7 @@ namespace {
 using Span = std::span<const double>;
 using Vector = std::vector<double>;
 
-/// The shortest phase of acceleration, as a part of the whole duration, that a trajectory resolves.
+/// The shortest phase of acceleration, as a fraction of the whole duration, that a trajectory resolves.
 constexpr double shortest_ramp = 10 * StraightPath::resolution;
 
 /// A trapezoidal velocity profile: s rises from 0 to 1 as a function of u = t / duration, with constant

@@ -52,7 +52,7 @@ class StraightPath {
   /// of degree 5 in time. If no joint moves, it has one state.
   Trajectory follow(std::vector<double> jumps, double duration, const Profile& profile) const;
 
-  /// Two jumps whose distance in time is less than this part of the duration are taken as one.
+  /// Two jumps whose distance in time is less than this fraction of the duration are taken as one.
   static constexpr double resolution = 1e-7;
 
  private:

@@ -9,8 +9,8 @@
 namespace axode {
 namespace {
 
-/// The time at which a cubic that describes a gap in a step is least, as a part of the step. g_0 and g_1 are
-/// its values at both ends, and d_0 and d_1 its rates there, multiplied by the length of the step.
+/// The time at which a cubic that describes a gap in a step is least, as a fraction of the step. g_0 and g_1
+/// are its values at both ends, and d_0 and d_1 its rates there, multiplied by the length of the step.
 double part_of_least(double g_0, double d_0, double g_1, double d_1) {
   const double c2 = 3 * (g_1 - g_0) - 2 * d_0 - d_1, c3 = 2 * (g_0 - g_1) + d_0 + d_1;
   const double root = std::sqrt(std::max(0.0, c2 * c2 - 3 * c3 * d_0));
