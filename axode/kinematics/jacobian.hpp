@@ -19,7 +19,8 @@ void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<Twist<Rep, T>>> J);
-/// The Jacobians of several places, with nv columns for each place, in the order of the places.
+/// The Jacobians of several places (frames or points on bodies), with nv columns for each place, in the order
+/// of the places.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<const Place<T>>> places,

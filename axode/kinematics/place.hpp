@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// A place on a mechanism: a frame of the model, given by number or by name, or a point or pose in that
-/// frame. A name is looked up at every call and must live as long as the Place.
+/// A place, which is a frame or a point on a body: a frame of the model, given by number or by name, or a
+/// point or pose in that frame. A name is looked up at every call and must live as long as the Place.
 template <class T = double> struct Place {
   int frame = 0;
   SE3<T> offset;

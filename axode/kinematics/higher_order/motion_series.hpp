@@ -103,12 +103,13 @@ template <class T> class PoseSeries {
       R_[k + 1] = {scale * R.x, scale * R.y, scale * R.z};
     }
   }
-  /// axes(k) is coefficient k of the rotation R of the place, and origin(k) that of its position r.
+  /// Coefficient k of the power series in time of the pose (R, r) of a frame or point on a body: axes(k) is
+  /// that of the rotation R, and origin(k) that of the position r.
   const SO3<T>& axes(int k) const { return R_[k]; }
   const Vec3<T>& origin(int k) const { return r_[k]; }
 
   /// Converts a spatial screw (w; v), given by the coefficients X of its power series in time, to the
-  /// representation Rep at the place with the pose (R, r), and returns coefficient k of the result. The
+  /// representation Rep at the frame with the pose (R, r), and returns coefficient k of the result. The
   /// hybrid screw is (w; v + w × r), the body-fixed screw (Rᵀ w; Rᵀ (v + w × r)), and the mixed screw (Rᵀ w;
   /// v + w × r). In these formulas w, v, R and r are power series.
   template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {

@@ -8,7 +8,8 @@
 
 #include "axode/kinematics/path.hpp"
 
-/// Closed forms of the partial derivatives of the joint screws on the path to one place.
+/// Closed forms of the partial derivatives of the joint screws on the path from the ground to a place, which
+/// is a frame or a point on a body.
 namespace axode {
 
 /// A joint screw on the path from the ground to a place (a frame or a point on a body): the index of its
@@ -19,13 +20,14 @@ template <class T> struct PathScrew {
   int c;
   Screw<T> body_fixed;  ///< body-fixed screw J_{f,c}^b
   Screw<T> spatial;     ///< spatial screw J_c^s
-  Screw<T> hybrid;      ///< hybrid screw J_{f,c}^h; its linear part is ∂r/∂q_c of the place
+  Screw<T> hybrid;      ///< hybrid screw J_{f,c}^h; its linear part is ∂r/∂q_c of the position r
 };
 
-/// The joint screws on the path to a place, from the root outwards, and the pose of the place.
+/// The joint screws on the path from the ground to a place (a frame or a point on a body), from the root
+/// outwards, and the pose of the place.
 template <class T> struct ScrewPath {
   std::vector<PathScrew<T>> screws;
-  SE3<T> C;  ///< pose of the place
+  SE3<T> C;  ///< pose of the frame or point to which the path leads
 
   ScrewPath(const Tree<T>& tree, const T* q, const Place<T>& place) {
     C = each_body_fixed_column(tree, q, place, [&](int i, int c, const Screw<T>& X) {
@@ -207,7 +209,8 @@ template <class T> class DirectionalDerivatives {
     pose();
   }
 
-  /// The derivative of screw c of the path along all directions, in the representation Rep at the place.
+  /// The derivative of joint screw c of the path along all directions, in the representation Rep at the frame
+  /// or point on a body to which the path leads.
   template <class Rep> Screw<T> of(int c) const {
     const std::size_t S = parts_ - 1, a = static_cast<std::size_t>(c);
     if constexpr (std::same_as<Rep, Spatial>) return J(a, S);
@@ -284,7 +287,9 @@ template <class T> class DirectionalDerivatives {
           W_[s * parts_ + S] = W_[s * parts_ + S] + runs_[s].u[path_.screws[c].c] * J(c, S);
     }
   }
-  /// Differentiates r and Rᵀ of the place: D_u r = v + w × r and D_u Rᵀ = -Rᵀ w̃ with (w; v) = W(u).
+  /// Differentiates the position r and the transposed rotation Rᵀ of the frame or point on a body to which
+  /// the path leads: D_u r = v + w × r and D_u Rᵀ = -Rᵀ w̃. Here (w; v) = W(u) is the spatial twist of this
+  /// body for the joint velocities u.
   void pose() {
     r_[0] = path_.C.r;
     Rt_[0] = transpose(path_.C.R);
