@@ -43,11 +43,11 @@ struct Joint {
 
 /// A gear with losses between a joint and its drive. It transmits the force F = τ - I a - x, where τ is the
 /// drive force, I the armature, a the acceleration, and x the sum of the damping, the dry friction and the
-/// loss of the gear, which is a part of |F|. See (D9.8).
+/// loss of the gear, which is proportional to |F|. See (D9.8).
 struct Gear {
   int velocity;
   double rotor;            ///< armature I of this joint without those of joints that follow it, kg m² or kg
-  double loss, loss_back;  ///< the lost parts of |F| while the drive drives and while it is driven back
+  double loss, loss_back;  ///< lost force / |F| while the drive drives and while it is driven back
 };
 
 /// A named frame: of the ground, a moving body, a body fixed to another one, or a FrameDescription.
