@@ -37,9 +37,9 @@ inline int body_of_velocity(const Topology& topology, int c) noexcept {
   return i;
 }
 
-/// Relative threshold for pivots of the mass matrix. If a pivot is less than this part of the inertia that
-/// its velocity moves at q = 0 (Tree::inertia_scale), the mass matrix may be singular, and an algorithm that
-/// estimates rounding errors takes over.
+/// Relative threshold for pivots of the mass matrix. If a pivot is less than this fraction of the inertia
+/// that its velocity moves at q = 0 (Tree::inertia_scale), the mass matrix may be singular, and an algorithm
+/// that estimates rounding errors takes over.
 template <class T>
 inline constexpr auto pivot_threshold =
     std::conditional_t<std::floating_point<T>, T, double>(unit_roundoff<T> > 1e-10 ? 4e-3 : 1e-6);
