@@ -12,7 +12,7 @@ thread_local Tape* current = nullptr;
 
 using Operation = Tape::Operation;
 
-/// Sums of constant factors below this part of the larger one count as 0: constants have rounding errors.
+/// Sums of constant factors below this fraction of the larger one count as 0: constants have rounding errors.
 constexpr double rounding = 0x1p-50;
 double sum_of_factors(double a, double b) {
   const double sum = a + b;
