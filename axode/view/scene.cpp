@@ -365,8 +365,8 @@ Json contacts_of(const ShownMotion& motion) {
   return times;
 }
 
-/// The places of frames as JSON: the name of each, the body to which it belongs, and its origin in the frame
-/// of the body.
+/// Frames as JSON: the name of each frame, the body to which it is fixed, and its origin in the frame of the
+/// body.
 Json places_of(const Model& model, const std::vector<int>& frames) {
   Json places = Json::array();
   for (const int f : frames) {

@@ -16,7 +16,7 @@ namespace {
 using Color = std::array<double, 4>;
 constexpr Color driven{0.88, 0.54, 0.12, 1}, passive{0.31, 0.36, 0.42, 1};
 
-/// The radius of bars as a part of the size of the mechanism.
+/// The radius of bars as a fraction of the size of the mechanism.
 constexpr double thickness = 0.03;
 
 /// A capsule from one point to another, with a radius of a sixth of its length, but at most `thickest`.
