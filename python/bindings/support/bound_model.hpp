@@ -59,7 +59,8 @@ struct FrameName {
   int in(const Model& model, const char* argument = "frame") const;
 };
 
-/// The place that is a frame, if `offset` is None, or a point (3,) or pose (4, 4) given in this frame.
+/// Returns a Place (a frame or a point on a body): the given frame if `offset` is None, or the point (3,) or
+/// pose (4, 4) `offset` in this frame.
 Place<> place(const Model& model, FrameName frame, ArrayLike offset, const char* argument = "frame");
 
 }  // namespace axode::python
