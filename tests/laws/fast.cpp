@@ -1,3 +1,5 @@
+#include <array>
+
 #include "tests/laws/law.hpp"
 
 /// The fast path gives the same results as the hybrid representation: on trees with all kinds of joints, with
@@ -81,6 +83,42 @@ TEST(FastMatrices, AreWrittenFromTheFirstEntryToTheLast) {
         EXPECT_TRUE(room[k] == nothing && room[entries + 32 + k] == nothing) << k << " of " << n;
     }
   }
+}
+
+/// The four blocks of the Hessian of inverse dynamics, each of which has memory of exactly its size.
+std::array<Numbers, 4> hessian(const Model& model, const State<double>& at, const Numbers& w) {
+  Workspace<> workspace(model);
+  std::array<Numbers, 4> x;
+  for (Numbers& block : x) block.resize(w.size() * w.size());
+  inverse_dynamics_hessian(model, workspace, at.q, at.v, at.a, w, {x[0], x[1], x[2], x[3]}, at.loads());
+  return x;
+}
+
+TEST(FastHessians, AreTheSameToTheLastBitWhereOtherJointsAreCoupled) {
+  for_seeds(300, [](std::uint64_t seed) {
+    Random<double> random(seed);
+    Description tree = random_description(random, {.most_bodies = 12, .couplings = false, .springs = 0});
+    const Model alone = ModelBuilder(tree).build();
+    for (const char* name : {"leader", "follower"})
+      tree.bodies.push_back({.name = name,
+                             .predecessor = "ground",
+                             .joint = {.kind = JointKind::revolute},
+                             .inertia = MassProperties{.mass = 1, .Theta = {.1, .1, .1, 0, 0, 0}}});
+    tree.bodies.back().joint.coupling = Coupling{.leader = "leader_joint"};
+    const Model coupled = ModelBuilder(tree).build();
+    State<double> state = random_state(alone, random);
+    Numbers w = random_numbers(random, alone.nv());
+    const std::array<Numbers, 4> by_columns = hessian(alone, state, w);
+    for (AppliedWrench<>& W : state.wrenches) W.frame = coupled.frame_index(alone.frame(W.frame).name);
+    for (Numbers* const x : {&state.q, &state.v, &state.a, &w}) x->push_back(random.number(-1, 1));
+    const std::array<Numbers, 4> by_entries = hessian(coupled, state, w);
+    const std::size_t nv = w.size() - 1;
+    for (std::size_t block = 0; block < 4; ++block)
+      for (std::size_t r = 0; r < nv; ++r)
+        for (std::size_t c = 0; c < nv; ++c)
+          EXPECT_EQ(by_columns[block][r * nv + c], by_entries[block][r * (nv + 1) + c])
+              << "block " << block << ", row " << r << ", column " << c;
+  });
 }
 
 }  // namespace

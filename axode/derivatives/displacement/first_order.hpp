@@ -105,7 +105,8 @@ template <class T> struct FirstOrder {
   /// Writes ∂τ/∂q and ∂τ/∂v for a tree without couplings. The rows of each matrix are `stride` numbers apart,
   /// a multiple of the number of lanes.
   template <class Real>
-  void write(const Tree<Real>& tree, const Loads<T>& loads, std::ptrdiff_t stride, T* dq, T* dv) noexcept {
+  void write(const Tree<Real>& tree, const Loads<T>& loads, std::ptrdiff_t stride, T* dq,
+             T* dv) const noexcept {
     write_columns(tree, loads, stride, dq, dv, nullptr);
   }
 

@@ -4,63 +4,46 @@
 
 namespace axode {
 
-/// Computes ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics: ∂a/∂τ is the inverse M⁻¹ of the mass matrix, and the
-/// others are -M⁻¹ times ∂τ/∂q and ∂τ/∂v of inverse dynamics at the accelerations a ((D1.24) of
-/// docs/derivations).
-template <class T> struct ForwardFirstOrder {
+/// The derivatives ∂τ/∂q and ∂τ/∂v of inverse dynamics side by side, for products with them. Their entries are
+/// non-zero only for pairs of velocities on one path to the ground.
+template <class T> struct ForcesByState {
   using L = Lanes<T>;
   using Number = typename L::Number;
-  /// The largest number of velocities for which products with M⁻¹ are faster than articulated bodies.
+  /// The largest number of velocities for which these products are faster than articulated bodies. Trees with
+  /// more velocities have no memory for them.
   static constexpr int most_velocities = 100;
 
-  AccelerationsAndColumns<T> forward;
-  FirstOrder<T> inverse;
   std::ptrdiff_t stride;  ///< numbers in a row of one matrix, filled up to whole registers
-  T* by_state;            ///< ∂τ/∂q and ∂τ/∂v side by side; not used for more than most_velocities
+  T* by_state;            ///< ∂τ/∂q and ∂τ/∂v side by side
   Number* entries;        ///< the rows of some columns of them that are not 0, ∂τ/∂q before ∂τ/∂v
-  std::ptrdiff_t* rows;   ///< offsets of the same rows in M⁻¹
+  std::ptrdiff_t* rows;   ///< offsets of the same rows in the other factor
 
-  explicit ForwardFirstOrder(Arena& arena)
-      : forward(arena),
-        inverse(arena),
-        stride((arena.topology().nv + L::width - 1) / L::width * L::width),
-        by_state(arena.lines<T>(arena.topology().nv > most_velocities
-                                    ? 0
-                                    : static_cast<std::size_t>(2 * stride * arena.topology().nv))),
+  explicit ForcesByState(Arena& arena)
+      : stride((arena.topology().nv + L::width - 1) / L::width * L::width),
+        by_state(matrix(arena, static_cast<std::size_t>(2 * stride))),
         entries(arena.array<Number>(2 * static_cast<std::size_t>(arena.topology().nv))),
         rows(arena.per_velocity<std::ptrdiff_t>()) {}
 
-  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* dq,
-                  T* dv, T* dtau) noexcept {
-    const Solvability verdict = forward.run(tree, q, v, tau, loads);
-    const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(tree->nv) * tree->nv;
-    if (!verdict.ok()) {
-      for (T* const matrix : {dq, dv, dtau})
-        std::fill_n(matrix, size, T(std::numeric_limits<double>::quiet_NaN()));
-      return verdict;
-    }
-    inverse.run(tree, q, v, forward.a, loads);
-    if (forward.is_fast && tree->nv <= most_velocities) {
-      inverse.write(tree, loads, 2 * stride, by_state, by_state + stride);
-      forward.inverse(tree, dtau);
-      for (int c = last_block<T>(tree->nv); c >= 0; c -= L::width)
-        multiply(*tree.operator->(), dtau, c, dq, dv);
-    } else {
-      inverse.write(tree, loads, dq, dv, dtau);
-      forward.inverse(tree, dtau);
-      for (T* const matrix : {dq, dv}) {
-        for (std::ptrdiff_t k = 0; k < size; ++k) matrix[k] = -matrix[k];
-        forward.solve(tree, matrix);
-      }
-    }
-    return verdict;
+  /// Memory for a matrix with a row for each velocity and a number of columns; none for large trees.
+  static T* matrix(Arena& arena, std::size_t columns) {
+    const int nv = arena.topology().nv;
+    return arena.lines<T>(nv > most_velocities ? 0 : columns * static_cast<std::size_t>(nv));
+  }
+
+  /// Takes the derivatives from `inverse`, of a tree without couplings.
+  template <class Real>
+  void take(const FirstOrder<T>& inverse, const Tree<Real>& tree, const Loads<T>& loads) noexcept {
+    inverse.write(tree, loads, 2 * stride, by_state, by_state + stride);
+  }
+  /// Writes -Aᵀ ∂τ/∂q to dq and -Aᵀ ∂τ/∂v to dv, for a matrix A; all are nv × nv.
+  void multiply(const Topology& topology, const T* A, T* dq, T* dv) noexcept {
+    for (int c = last_block<T>(topology.nv); c >= 0; c -= L::width) multiply(topology, A, c, dq, dv);
   }
 
  private:
-  /// Writes the columns c, c + 1, ... of the products -M⁻¹ X, one in each lane, for the matrices X in
-  /// `by_state`, whose entries are non-zero only for pairs of velocities on one path to the ground. The
-  /// columns after them must have been written before.
-  void multiply(const Topology& topology, const T* M_inverse, int c, T* dq, T* dv) noexcept {
+  /// Writes the columns c, c + 1, ... of the products, one in each lane. The columns after them must have been
+  /// written before.
+  void multiply(const Topology& topology, const T* A, int c, T* dq, T* dv) noexcept {
     constexpr int at_once = 4;  // rows of each result, so that no sum waits for another one
     const int nv = topology.nv;
     int n = 0, end = c;
@@ -79,7 +62,7 @@ template <class T> struct ForwardFirstOrder {
       int row[at_once];
       for (int m = 0; m < at_once; ++m) row[m] = std::min(r + m, nv - 1);
       for (int k = 0; k < n; ++k) {
-        const T* const factor = M_inverse + rows[k];
+        const T* const factor = A + rows[k];
         for (int m = 0; m < at_once; ++m) {
           const Number f(factor[row[m]]);
           by_q[m] += f * entries[2 * k];
@@ -91,6 +74,42 @@ template <class T> struct ForwardFirstOrder {
         store_row<T>(by_v[m], r + m, c, nv, dv + (r + m) * static_cast<std::ptrdiff_t>(nv) + c);
       }
     }
+  }
+};
+
+/// Computes ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics: ∂a/∂τ is the inverse M⁻¹ of the mass matrix, and the
+/// others are -M⁻¹ times ∂τ/∂q and ∂τ/∂v of inverse dynamics at the accelerations a ((D1.24) of
+/// docs/derivations).
+template <class T> struct ForwardFirstOrder {
+  AccelerationsAndColumns<T> forward;
+  FirstOrder<T> inverse;
+  ForcesByState<T> of_forces;
+
+  explicit ForwardFirstOrder(Arena& arena) : forward(arena), inverse(arena), of_forces(arena) {}
+
+  Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* dq,
+                  T* dv, T* dtau) noexcept {
+    const Solvability verdict = forward.run(tree, q, v, tau, loads);
+    const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(tree->nv) * tree->nv;
+    if (!verdict.ok()) {
+      for (T* const matrix : {dq, dv, dtau})
+        std::fill_n(matrix, size, T(std::numeric_limits<double>::quiet_NaN()));
+      return verdict;
+    }
+    inverse.run(tree, q, v, forward.a, loads);
+    if (forward.is_fast && tree->nv <= ForcesByState<T>::most_velocities) {
+      of_forces.take(inverse, tree, loads);
+      forward.inverse(tree, dtau);
+      of_forces.multiply(*tree.operator->(), dtau, dq, dv);
+    } else {
+      inverse.write(tree, loads, dq, dv, dtau);
+      forward.inverse(tree, dtau);
+      for (T* const matrix : {dq, dv}) {
+        for (std::ptrdiff_t k = 0; k < size; ++k) matrix[k] = -matrix[k];
+        forward.solve(tree, matrix);
+      }
+    }
+    return verdict;
   }
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "axode/derivatives/displacement/accelerations.hpp"
+#include "axode/derivatives/displacement/forward_first_order.hpp"
 #include "axode/derivatives/second_order/second_order.hpp"
 
 namespace axode {
@@ -42,9 +42,18 @@ void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Lo
 template <class T> struct ForwardSecondOrder {
   AccelerationsAndColumns<T> forward;
   SecondOrder<T> second;
+  ForcesByState<T> of_forces;
+  T* by_q;  ///< P of (D2.9)
+  T* by_v;  ///< -τqᵀ ∂τ/∂v of (D2.9)
   T* mu;
 
-  explicit ForwardSecondOrder(Arena& arena) : forward(arena), second(arena), mu(arena.per_velocity<T>()) {}
+  explicit ForwardSecondOrder(Arena& arena)
+      : forward(arena),
+        second(arena),
+        of_forces(arena),
+        by_q(of_forces.matrix(arena, static_cast<std::size_t>(arena.topology().nv))),
+        by_v(of_forces.matrix(arena, static_cast<std::size_t>(arena.topology().nv))),
+        mu(arena.per_velocity<T>()) {}
 
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* w,
                   const Loads<T>& loads, const HessianBlocks<T>& H) noexcept {
@@ -58,7 +67,17 @@ template <class T> struct ForwardSecondOrder {
     for (int c = 0; c < nv; ++c) mu[c] = -w[c];
     forward.solve_one(tree, mu);
     second.run(tree, q, v, forward.a, mu, loads);
-    accelerations_from(second, tree, loads, H, [&](T* x) { forward.solve(tree, x); });
+    if (!forward.is_fast || nv > ForcesByState<T>::most_velocities) {
+      accelerations_from(second, tree, loads, H, [&](T* x) { forward.solve(tree, x); });
+      return verdict;
+    }
+    second.write(*tree.operator->(), !loads.wrenches.empty(), H);
+    forward.solve(tree, H.aq);
+    of_forces.take(second.first, tree, loads);
+    of_forces.multiply(*tree.operator->(), H.aq, by_q, by_v);
+    for (std::ptrdiff_t k = 0; k < nv * nv; ++k) H.qv[k] += by_v[k];
+    for (std::ptrdiff_t r = 0; r < nv; ++r)
+      for (std::ptrdiff_t c = 0; c < nv; ++c) H.qq[r * nv + c] += by_q[r * nv + c] + by_q[c * nv + r];
     return verdict;
   }
 };

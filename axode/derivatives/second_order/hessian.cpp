@@ -15,9 +15,11 @@ void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbe
       checked<"inverse_dynamics_hessian">(model, workspace, q, v, a, w, loads, h.qq, h.qv, h.vv, h.aq);
   SecondOrder<T> second(arena);
   second.run(model.tree<T>(), q.data(), v.data(), a.data(), w.data(), loads);
+  const HessianBlocks<T> blocks{h.qq.data(), h.qv.data(), h.vv.data(), h.aq.data()};
+  if (model.topology().coupled_bodies.empty())
+    return second.write(model.topology(), !loads.wrenches.empty(), blocks);
   for (const std::span<T> block : {h.qq, h.qv, h.vv, h.aq}) std::fill(block.begin(), block.end(), T(0));
-  second.add_to(model.topology(), !loads.wrenches.empty(),
-                {h.qq.data(), h.qv.data(), h.vv.data(), h.aq.data()});
+  second.add_to(model.topology(), !loads.wrenches.empty(), blocks);
 }
 
 template <class T>

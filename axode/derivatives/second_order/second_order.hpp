@@ -82,11 +82,13 @@ template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 /// Computes the second partial derivatives of λ·τ, the sum of the forces τ of inverse dynamics with constant
 /// weights λ, by the pairs of variables (q, q), (q, v), (v, v) and (a, q); those by (v, a) and (a, a) are 0.
 /// It takes O(n d) on paths of d velocities: about 400 products and sums for a hinge, and 114 for each pair
-/// of a joint and a joint before it on its path.
+/// of a joint and a joint before it on its path. In code with SIMD lanes a pair takes 160, because the
+/// derivatives by q twice and by v twice are computed above and below the diagonal, although they are equal
+/// there.
 template <class T> struct SecondOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
-  static constexpr int results = 6;
+  static constexpr int results = 7;
 
   FirstOrder<T> first;
   NumberRows<T, 8> Lambda;                          ///< Λ of each body: its angular and its linear part
@@ -118,6 +120,11 @@ template <class T> struct SecondOrder {
     first.compose(topology, loaded);
     compose(topology, loaded);
   }
+  /// Writes the second derivatives to the blocks of H, after run(), for a tree without couplings. They equal
+  /// those of add_to() to the last bit.
+  void write(const Topology& topology, bool loaded, const HessianBlocks<T>& H) const noexcept {
+    for (int c = last_block<T>(topology.nv); c >= 0; c -= L::width) write_columns(topology, c, loaded, H);
+  }
   /// Adds the second derivatives to the blocks of H, after run(). A block that is null is skipped.
   void add_to(const Topology& topology, bool loaded, const HessianBlocks<T>& H) noexcept {
     const std::ptrdiff_t nv = topology.nv;
@@ -128,7 +135,7 @@ template <class T> struct SecondOrder {
       const int begin = topology.first_screw[i], next = topology.first_screw[i + 1],
                 end = topology.first_screw[topology.subtree_end[i]];
       for (int l = begin; l < next; ++l) {
-        multiply(l, begin, end, loaded);
+        multiply(l, begin, next, end, loaded);
         const std::ptrdiff_t v_l = topology.iv[i] + l - begin;
         for (int j = i; j < topology.subtree_end[i]; ++j)
           for (int k = topology.first_screw[j]; k < topology.first_screw[j + 1]; ++k) {
@@ -136,7 +143,7 @@ template <class T> struct SecondOrder {
             add(H.qq, v_l, v_k, line.array(0)[k]);
             add(H.qv, v_l, v_k, line.array(1)[k]);
             add(H.aq, v_k, v_l, line.array(4)[k]);
-            add(H.vv, v_l, v_k, j == i ? line.array(3)[k] - own_bracket(l, k) : line.array(3)[k]);
+            add(H.vv, v_l, v_k, j == i ? line.array(3)[k] - line.array(6)[k] : line.array(3)[k]);
             if (j == i) continue;
             add(H.qq, v_k, v_l, line.array(0)[k]);
             add(H.qv, v_k, v_l, line.array(2)[k]);
@@ -234,48 +241,115 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// The number to subtract, for two screws S_l and S_k of one joint, from the second derivative of λ·τ by
-  /// their velocities as the formula for screws of two different joints gives it (D2.8). The formula has
-  /// one bracket too many, because the velocity along S_l does not change the twist of the predecessor of
-  /// the joint. The number is the power of the wrench -ad_{S_k}ᵀ A on S_l. A is the sum of M Λ over the
-  /// subtree, where M is the inertia of a body and Λ the twist that it would have if the joints moved with
-  /// the weights λ as velocities.
-  T own_bracket(int l, int k) const {
-    return Wrench<Spatial, T>{curvature.get3(AS, k), curvature.get3(AS + 3, k)} | first.screws.screw(l);
+  /// The numbers to subtract, for screw S_l and the screws S_k, S_{k+1}, ... of the same joint, one in each
+  /// lane, from the second derivatives of λ·τ by their velocities as the formula for screws of two different
+  /// joints gives them (D2.8). The formula has one bracket too many, because the velocity along S_l does not
+  /// change the twist of the predecessor of the joint. The numbers are the powers of the wrenches -ad_{S_k}ᵀ A
+  /// on S_l. A is the sum of M Λ over the subtree, where M is the inertia of a body and Λ the twist that it
+  /// would have if the joints moved with the weights λ as velocities.
+  [[gnu::always_inline]] Number own_bracket(int l, int k) const {
+    return product(first.effect, Part::S, l, curvature, AS, k);
+  }
+  /// Entries of the four blocks of HessianBlocks in one row and several columns, one column in each lane.
+  struct Entries {
+    Number qq, qv, vv, aq;
+  };
+  /// Writes the columns c, c + 1, ... of the blocks, one in each SIMD lane, for a tree without couplings. All
+  /// later columns must have been written before, because lanes beyond the end of a row overwrite the first
+  /// entries of the next row.
+  void write_columns(const Topology& topology, int c, bool loaded, const HessianBlocks<T>& H) const noexcept {
+    const int nv = topology.nv, next = std::min(c + L::width, nv);
+    const auto end_of = [&](int k) { return topology.velocity_end[k]; };
+    const auto joint_of = [&](int k) { return topology.first_screw[first.screws.body_of[k]]; };
+    const auto joint_end = [&](int k) { return topology.first_screw[first.screws.body_of[k] + 1]; };
+    Number column, joint, after, subtree;  // of each lane: its column, the first column of its joint, the end
+                                           // of that joint, and the end of the columns that it moves
+    int end = next;                        // of the rows that are not 0
+    for (int l = 0; l < L::width; ++l) {
+      const int k = std::min(c + l, nv - 1);
+      column.x[l] = T(c + l), joint.x[l] = T(joint_of(k)), after.x[l] = T(joint_end(k));
+      subtree.x[l] = T(end_of(k));
+      end = std::max(end, end_of(k));
+    }
+    const Number zero(T(0));
+    const auto chosen = [](const auto& where, const Entries& x, const Entries& y) {
+      return Entries{select(where, x.qq, y.qq), select(where, x.qv, y.qv), select(where, x.vv, y.vv),
+                     select(where, x.aq, y.aq)};
+    };
+    const Entries zeros{zero, zero, zero, zero};
+    const int first_row = joint_of(c), last_row = joint_end(next - 1);
+    for (int r = 0; r < nv; ++r) {
+      const Number row(static_cast<T>(r));
+      Entries x = zeros;
+      if (r < first_row) {
+        if (end_of(r) > c) x = chosen(Number(T(end_of(r))) <= column, zeros, above(r, c, loaded));
+      } else if (r < last_row) {
+        const Entries a = above(r, c, loaded), b = below(r, c, loaded);
+        const auto is_above = row < joint;
+        x = chosen(row < after, a, b);
+        x.vv = select(row < after && !is_above, a.vv - own_bracket(r, c), x.vv);
+        x.aq = select(is_above, a.aq, b.aq);
+        x = chosen(subtree <= row || (is_above && Number(T(end_of(r))) <= column), zeros, x);
+      } else if (r < end) {
+        x = chosen(subtree <= row, zeros, below(r, c, loaded));
+      }
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * nv + c;
+      store_row<T>(x.qq, r, c, nv, H.qq + at);
+      store_row<T>(x.qv, r, c, nv, H.qv + at);
+      store_row<T>(x.vv, r, c, nv, H.vv + at);
+      store_row<T>(x.aq, r, c, nv, H.aq + at);
+    }
+  }
+  /// Returns the entries of row r in the columns from c on, if the joint of the row is before the joint of the
+  /// column on a path from the ground, or is the same joint (D2.8). In a joint, entries by a and q are those of
+  /// below(), and own_bracket() must be subtracted from those by v twice.
+  [[gnu::always_inline]] Entries above(int r, int c, bool loaded) const {
+    const Arrays<T> e = first.effect, d = curvature;
+    Number qq = product(d, chi, r, e, Part::P, c) + product(e, Part::psi_2, r, d, Y, c) +
+                product(d, psi_1, r, d, X, c);
+    if (loaded) qq = qq + product(e, Part::S, r, d, Q, c);
+    return {qq, product(d, chi, r, e, Part::R, c) + product(d, psi_1, r, d, Z, c),
+            product(e, Part::S, r, d, Z, c), product(e, Part::S, r, d, Y, c)};
+  }
+  /// Returns the entries of row r in the columns from c on, if the joint of the row is in the subtree of the
+  /// joint of the column (D2.8).
+  [[gnu::always_inline]] Entries below(int r, int c, bool loaded) const {
+    const Arrays<T> e = first.effect, d = curvature;
+    Number qq = product(e, Part::P, r, d, chi, c) + product(d, Y, r, e, Part::psi_2, c) +
+                product(d, X, r, d, psi_1, c);
+    if (loaded) qq = qq + product(d, Q, r, e, Part::S, c);
+    return {qq, product(d, Y, r, e, Part::sigma, c) + product(d, X, r, e, Part::S, c),
+            product(d, Z, r, e, Part::S, c), product(e, Part::U, r, d, chi, c)};
+  }
+  /// The products of a six-vector of row r with the six-vectors of the columns from c on, one in each lane.
+  [[gnu::always_inline]] static Number product(const Arrays<T>& of_row, int i, int r,
+                                               const Arrays<T>& of_columns, int k, int c) {
+    const T *x = of_row.array(i) + r, *y = of_columns.array(k) + c;
+    Number sum = *x * L::load(y);
+    for (int m = 1; m < 6; ++m) sum = sum + x[m * of_row.stride] * L::load(y + m * of_columns.stride);
+    return sum;
   }
   /// Computes six second derivatives (D2.8) of λ·τ, the sum of the forces τ of inverse dynamics with constant
   /// weights λ, along the directions of joint screw l and of each joint screw c from `begin` to `end` - 1.
   /// They are those by q twice, by q and v in both orders, by v twice, and by a and q in both orders. Each of
   /// them is a sum of powers W | X of wrenches W of screw c on screws X of screw l, which are members of
-  /// ScrewEffects and ScrewCurvature. Writes them to entry c of the six arrays of `line`. If both screws
+  /// ScrewEffects and ScrewCurvature. Writes them to entry c of the arrays 0 to 5 of `line`. If both screws
   /// belong to one joint, the derivative by v twice contains a term too much, because the velocity along
   /// screw l does not change the twist of the predecessor. The caller must subtract this term, which
-  /// own_bracket() computes.
-  void multiply(int l, int begin, int end, bool loaded) noexcept {
+  /// own_bracket() computes: it is written to array 6 for the screws of the joint, those before `next`.
+  void multiply(int l, int begin, int next, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them
-    Number S[6], psi_2[6], sigma[6], chi_l[6], psi_l[6];
-    for (int k = 0; k < 6; ++k) {
-      S[k] = Number(e.array(Part::S + k)[l]);
-      psi_2[k] = Number(e.array(Part::psi_2 + k)[l]);
-      sigma[k] = Number(e.array(Part::sigma + k)[l]);
-      chi_l[k] = Number(d.array(chi + k)[l]);
-      psi_l[k] = Number(d.array(psi_1 + k)[l]);
-    }
-    const auto product = [](const Number(&mine)[6], const Arrays<T>& theirs, int part, int c) {
-      return theirs.template product<6>(mine, part, c);
-    };
     for (int c = begin; c < end; c += L::width) {
-      const Number SY = product(S, d, Y, c), SX = product(S, d, X, c);
-      Number qq = product(chi_l, e, Part::P, c) + product(psi_2, d, Y, c) + product(psi_l, d, X, c);
-      if (loaded) qq = qq + product(S, d, Q, c);
-      L::store(qq, out.array(0) + c);
-      L::store(product(chi_l, e, Part::R, c) + product(psi_l, d, Z, c), out.array(1) + c);
-      L::store(product(sigma, d, Y, c) + SX, out.array(2) + c);
-      L::store(product(S, d, Z, c), out.array(3) + c);
-      L::store(product(chi_l, e, Part::U, c), out.array(4) + c);
-      L::store(SY, out.array(5) + c);
+      const Entries x = above(l, c, loaded);
+      L::store(x.qq, out.array(0) + c);
+      L::store(x.qv, out.array(1) + c);
+      L::store(product(e, Part::sigma, l, d, Y, c) + product(e, Part::S, l, d, X, c), out.array(2) + c);
+      L::store(x.vv, out.array(3) + c);
+      L::store(product(d, chi, l, e, Part::U, c), out.array(4) + c);
+      L::store(x.aq, out.array(5) + c);
     }
+    for (int c = begin; c < next; c += L::width) L::store(own_bracket(l, c), out.array(6) + c);
   }
 };
 
