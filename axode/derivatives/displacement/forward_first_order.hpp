@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// The derivatives ∂τ/∂q and ∂τ/∂v of inverse dynamics side by side, for products with them. Their entries are
-/// non-zero only for pairs of velocities on one path to the ground.
+/// The derivatives ∂τ/∂q and ∂τ/∂v of inverse dynamics side by side, for products with them. Their entries
+/// are non-zero only for pairs of velocities on one path to the ground.
 template <class T> struct ForcesByState {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -41,8 +41,8 @@ template <class T> struct ForcesByState {
   }
 
  private:
-  /// Writes the columns c, c + 1, ... of the products, one in each lane. The columns after them must have been
-  /// written before.
+  /// Writes the columns c, c + 1, ... of the products, one in each lane. The columns after them must have
+  /// been written before.
   void multiply(const Topology& topology, const T* A, int c, T* dq, T* dv) noexcept {
     constexpr int at_once = 4;  // rows of each result, so that no sum waits for another one
     const int nv = topology.nv;

@@ -244,8 +244,8 @@ template <class T> struct SecondOrder {
   /// The numbers to subtract, for screw S_l and the screws S_k, S_{k+1}, ... of the same joint, one in each
   /// lane, from the second derivatives of λ·τ by their velocities as the formula for screws of two different
   /// joints gives them (D2.8). The formula has one bracket too many, because the velocity along S_l does not
-  /// change the twist of the predecessor of the joint. The numbers are the powers of the wrenches -ad_{S_k}ᵀ A
-  /// on S_l. A is the sum of M Λ over the subtree, where M is the inertia of a body and Λ the twist that it
+  /// change the twist of the predecessor of the joint. The numbers are the powers of the wrenches -ad_{S_k}ᵀ
+  /// A on S_l. A is the sum of M Λ over the subtree, where M is the inertia of a body and Λ the twist that it
   /// would have if the joints moved with the weights λ as velocities.
   [[gnu::always_inline]] Number own_bracket(int l, int k) const {
     return product(first.effect, Part::S, l, curvature, AS, k);
@@ -300,9 +300,9 @@ template <class T> struct SecondOrder {
       store_row<T>(x.aq, r, c, nv, H.aq + at);
     }
   }
-  /// Returns the entries of row r in the columns from c on, if the joint of the row is before the joint of the
-  /// column on a path from the ground, or is the same joint (D2.8). In a joint, entries by a and q are those of
-  /// below(), and own_bracket() must be subtracted from those by v twice.
+  /// Returns the entries of row r in the columns from c on, if the joint of the row is before the joint of
+  /// the column on a path from the ground, or is the same joint (D2.8). In a joint, entries by a and q are
+  /// those of below(), and own_bracket() must be subtracted from those by v twice.
   [[gnu::always_inline]] Entries above(int r, int c, bool loaded) const {
     const Arrays<T> e = first.effect, d = curvature;
     Number qq = product(d, chi, r, e, Part::P, c) + product(e, Part::psi_2, r, d, Y, c) +
