@@ -63,7 +63,10 @@ template <class T> struct SecondOrderTensors {
                     end_p = begin_p + topology.first_screw[p + 1] - topology.first_screw[p];
           for (int j = begin_p; j < end_p; ++j) {
             multiply(j, d, begin_p, end_p);
-            put(nv, j, d, begin_p, end_p, out);
+            if (topology.coupled_bodies.empty())
+              put<false>(nv, j, d, begin_p, end_p, out);
+            else
+              put<true>(nv, j, d, begin_p, end_p, out);
           }
         }
         if (end - begin[i] > 1) put_brackets(nv, d, out.vv);
@@ -189,46 +192,54 @@ template <class T> struct SecondOrderTensors {
         store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
       }
   }
-  /// Adds the products (D2.11), which are powers of wrenches on screws, to the second derivatives of the
+  /// Writes the products (D2.11), which are powers of wrenches on screws, to the second derivatives of the
   /// forces τ by (q, q), (q, v), (v, v) and (a, q). multiply() has written the products of two joint screws d
   /// and j with each joint screw l of the path from the ground to the joint of d, which also contains j, to
   /// the arrays of `line`. They are parts of the derivatives of the force at the velocity of screw d along
   /// the directions of screws j and l. If the joint of screw j is nearer to the ground than that of d, they
   /// are also parts of the derivatives of the force at the velocity of screw j along the directions of screws
-  /// d and l.
-  void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
-           const SecondDerivatives<T>& out) noexcept {
+  /// d and l. If `coupled` is set, the parts are added, because several joints may share a velocity; without
+  /// couplings each entry has one part.
+  template <bool coupled>
+  [[gnu::noinline]] void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
+                             const SecondDerivatives<T>& out) noexcept {
     const std::ptrdiff_t v_j = velocity[j];
     const auto at = [nv](std::ptrdiff_t row, std::ptrdiff_t outer, std::ptrdiff_t inner) {
       return (row * nv + outer) * nv + inner;
     };
+    const auto give = [](T& entry, const T& part) {
+      if constexpr (coupled)
+        entry += part;
+      else
+        entry = part;
+    };
     const auto x = [&](Products of, int l) { return line.array(of)[l]; };
     for (int l = 0; l < end_j; ++l) {
       const std::ptrdiff_t v_l = velocity[l], lj = at(d.v, v_l, v_j), jl = at(d.v, v_j, v_l);
-      out.qq[lj] += x(H, l);
-      out.qv[lj] -= x(f, l);
+      give(out.qq[lj], x(H, l));
+      give(out.qv[lj], -x(f, l));
       if (l < begin_j) {
-        out.qq[jl] += x(H, l);
-        out.qv[jl] += x(h, l);
-        out.vv[lj] -= x(b, l);
-        out.vv[jl] -= x(b, l);
-        out.aq[lj] += x(u, l);
+        give(out.qq[jl], x(H, l));
+        give(out.qv[jl], x(h, l));
+        give(out.vv[lj], -x(b, l));
+        give(out.vv[jl], -x(b, l));
+        give(out.aq[lj], x(u, l));
       } else {
-        out.vv[lj] -= x(b, l) + x(u, l);
+        give(out.vv[lj], -(x(b, l) + x(u, l)));
       }
     }
     if (begin_j == d.begin) return;
     for (int l = 0; l < d.end; ++l) {
       const std::ptrdiff_t v_l = velocity[l], ld = at(v_j, v_l, d.v), dl = at(v_j, d.v, v_l);
-      out.qq[ld] += x(G, l);
-      out.qv[ld] += x(also_f, l);
-      out.vv[ld] += x(b, l);
-      if (l >= end_j) out.aq[dl] -= x(u, l);
+      give(out.qq[ld], x(G, l));
+      give(out.qv[ld], x(also_f, l));
+      give(out.vv[ld], x(b, l));
+      if (l >= end_j) give(out.aq[dl], -x(u, l));
       if (l >= d.begin) continue;
-      out.qq[dl] += x(G, l);
-      out.qv[dl] += x(g, l);
-      out.vv[dl] += x(b, l);
-      out.aq[ld] += x(b, l) + x(u, l);
+      give(out.qq[dl], x(G, l));
+      give(out.qv[dl], x(g, l));
+      give(out.vv[dl], x(b, l));
+      give(out.aq[ld], x(b, l) + x(u, l));
     }
   }
   /// The joint screw of column l of the path.
