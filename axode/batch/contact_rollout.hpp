@@ -4,24 +4,24 @@
 
 namespace axode::batch {
 
-/// Integrates N motions with contact, K steps of equal length `step` (s) each with the method of
-/// axode::simulate_contact(): impulses at both ends of a step. tau has nv K N numbers, the drive forces,
-/// which are constant in each step. q_out and v_out receive (K + 1) states for each motion, beginning with
-/// the given initial state. Unless it is empty, `certificates` receives the relative residual of the laws of
-/// contact for each step of each motion (K N numbers, see Trajectory::certificates). Each array has one
-/// motion after the other, and each motion one step after the other. If a motion cannot continue, its later
-/// states and certificates are NaN.
+/// Integrates N motions with contact, K steps of equal length `step` (s) each, with the method of
+/// axode::simulate_contact(). The drive forces `tau` (nv K N numbers) are constant in each step. q_out and
+/// v_out receive K + 1 states of each motion, the first of which is the initial state. `certificates` may be
+/// empty, or receives for each step the relative residual of Signorini's and Coulomb's laws (K N numbers, see
+/// Trajectory::certificates). In each array one motion follows the other, and within a motion one step
+/// follows the other. If a motion cannot continue, its later states and certificates are NaN.
 ///
-/// The monitor is the caller's function monitor(done, of) that can end a long call by returning false. It is
-/// called in the calling thread, before and during steps. `of` is N; `done` is always 0, because finished
-/// motions are not counted. If the monitor ends the call, Outcome::done is 0 as well.
+/// The monitor, a function of the caller, is called with the arguments 0 and N in the calling thread, before
+/// and during steps; finished motions are not counted. If it returns false, the call ends, and Outcome::done
+/// is 0.
 ///
 /// `shapes` are the collision shapes of the model. If `joint_losses` is set, damping and dry friction of
-/// joints act. Drives with states act as in simulate_contact(), with which motions agree to the last bit for
-/// the same forces and times: a step is computed in parts, which end where a drive changes to another branch
-/// of its law and where an input jumps. No step allocates after the first ones, and the results do not depend
-/// on the number of threads. Throws std::invalid_argument for arguments that simulate_contact() refuses and
-/// for arrays of a wrong size.
+/// joints act. For equal forces and times the motions are those of simulate_contact() to the last bit, also
+/// with drives that have states: a step is divided where the law of a drive changes to another branch, and
+/// where an input of a drive jumps. No step allocates after the first ones, and the results do not depend on
+/// the number of threads. Throws std::invalid_argument for models, shapes and a step that simulate_contact()
+/// refuses, for prescribed motions, for quaternions that are not of unit norm, and for arrays of a wrong
+/// size.
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              std::span<double> q_out, std::span<double> v_out,

@@ -19,12 +19,14 @@ template <class S> struct LaneKernel {
   bool takes_coupled_joints = false;
 };
 
-/// A drive of axode/integration/drives.hpp that all motions share. If `computes` is set, the drive forces τ
-/// are the inverse dynamics at (q, v, y) (computed torque); otherwise they are y, limited to ± limit. Without
-/// a reference motion, y is the feedforward w. With a reference motion (q_d, v_d) and the gains kp and kd, y
-/// follows from the displacement x from q to q_d:
+/// The law of a drive that several motions of a batch call share. With a reference motion (q_d, v_d), the
+/// gains kp and kd and a given w, it computes
 ///
-///     y = kp x + kd (v_d - v) + w,    q ⊕ x = q_d.
+///     y = kp x + kd (v_d - v) + w,    q ⊕ x = q_d,
+///
+/// and without a reference motion y = w. If `computes` is set, w are the accelerations of the reference
+/// motion, and the drive forces are those of inverse dynamics at q, v and the accelerations y. Otherwise w
+/// are feedforward forces, and the drive forces are y, clipped to between -limit and limit.
 template <class S> struct ControlLaw {
   bool tracks, computes;
   const S *kp, *kd;  ///< gains, nv numbers each

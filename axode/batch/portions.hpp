@@ -26,11 +26,12 @@ class MonitorThrottle {
 /// A function that processes `count` states, beginning with state `first`.
 using Work = std::function<void(std::size_t first, std::size_t count)>;
 
-/// Processes N states in groups of `group` states; the last group may be smaller. Each core that is used runs
-/// one task. A task has a Work of its own, made by make_work(), and takes portions of the groups, one after
-/// the other. If the monitor, the caller's function that can end a long call, returns false, the call ends
-/// after the current groups. Returns a number n such that the first n states are done; some later states may
-/// be done as well.
+/// Processes N states on several cores, in groups of `group` consecutive states; the last group may be
+/// smaller. At most `threads` tasks run in parallel. Each task calls make_work() once for a function of its
+/// own, and calls this function for one group after the other. The monitor is called in the calling thread
+/// with the approximate number of states that are done and N. If it returns false, groups that have not begun
+/// are left out. Returns a number n such that the first n states are done; later states may or may not be
+/// done.
 std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Monitor& monitor,
                         const std::function<Work()>& make_work);
 
