@@ -37,19 +37,21 @@ constexpr std::string_view to_string(LawBranch branch) {
   return "slide";
 }
 
-/// Adds the impulse of one contact in a step to `out`: to `force` the impulse on shape b (N s) that acts at
-/// the contact point, and to `moment` the impulse of the couple on b (N m s) by drilling and rolling
-/// friction. If the multipliers of the problem are impulses, the caller divides the sums by the length of the
-/// step to make them forces; if it is a problem of accelerations, they are forces already. `block` is the
-/// index of the contact in the problem, `lambda` has the multipliers of all scalar constraints of the
-/// problem, and `normal` is the normal of the contact from which its constraints were made.
+/// Adds the impulse of one contact to `out`: to out.force the impulse on the second shape, b, at the contact
+/// point (N s), and to out.moment the angular impulse on b by drilling and rolling friction (N m s); the
+/// caller divides them by the length of the step. If the unknowns of the problem are accelerations instead of
+/// velocities, its multipliers are forces, and nothing has to be divided. `block` is the index of the contact
+/// in the problem, `lambda` has the multipliers of all constraint rows of the problem, and `normal` is the
+/// normal of the contact for which its rows were computed.
 void add_impulse(const VelocityProblem& problem, std::size_t block, const double* lambda,
                  const Vec3<>& normal, ContactForce& out) noexcept;
-/// Whether one contact is open, sticks or slides after a step. It is open if its normal multiplier is not
-/// positive. Otherwise it slides if the norm of its sliding, drilling and rolling velocities is above
-/// `at_rest` (m/s), and sticks if not; the angular velocities of drilling and rolling are multiplied by their
-/// friction coefficients, which are lengths. `block` is the index of the contact in the problem. `lambda` has
-/// the multipliers of all scalar constraints, and `u` their velocities in physical units.
+/// Returns whether one contact is open, sticks or slides, from the solution of a contact problem. It is open
+/// if the multiplier of its normal row is not positive. Otherwise it slides if the norm of its sliding,
+/// drilling and rolling velocities is above `at_rest` (m/s), and sticks if not. In this norm the angular
+/// velocities of drilling and rolling are multiplied by their coefficients of friction, which are lengths.
+/// `block` is the index of the contact in the problem. `lambda` has the multipliers of all constraint rows,
+/// and `u` their velocities (m/s, rad/s), which are not multiplied by coefficients of friction. If the
+/// unknowns of the problem are accelerations, u and at_rest are accelerations too.
 LawBranch branch_after(const VelocityProblem& problem, std::size_t block, const double* lambda,
                        const double* u, double at_rest) noexcept;
 

@@ -26,10 +26,11 @@ struct AtRestOptions {
 /// Computes the contact points at a configuration q, and the forces that act there when the mechanism is let
 /// go at rest: M a = τ - b(q, 0) + Jᵀ f, with the mass matrix M, the forces b of gravity and loads, and the
 /// Jacobian J of the contact velocities. The accelerations a and the contact forces f obey Signorini's and
-/// Coulomb's laws (D11.1), written for accelerations instead of velocities. A point with a gap of at most
-/// `touching`, or with an overlap, can have a force; all other points have none. Hard stops and closed loops
-/// act; if joint_losses is set, dry friction of joints acts too. τ are the drive forces (nv, or empty if they
-/// are 0), to which the forces of the springs of the mechanism are added.
+/// Coulomb's laws (D11.1), written for accelerations instead of velocities. The normal force of a compliant
+/// contact is that of its stiffness at the gap. Only points with a gap of at most `touching` (m), or with an
+/// overlap, can have forces. Hard stops and closed loops act; if joint_losses is set, dry friction of joints
+/// acts too. τ are the drive forces (nv, or empty if they are 0), to which the forces of the springs of the
+/// mechanism are added.
 ///
 /// If several points carry one load, its distribution over the points is not unique, but the sum of their
 /// forces and the sum of their moments are. Throws std::invalid_argument for arguments of a wrong size or

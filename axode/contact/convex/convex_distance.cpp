@@ -21,12 +21,12 @@ int start_vertex(const ConvexShape& shape, int last) {
   return exists ? last : 0;
 }
 
-/// Compares two candidates for the least distance of two cores (convex bodies without the balls that round
-/// them), and keeps the better one in c. A candidate is a unit normal n, the width s of the gap between the
-/// cores along n, and a point x of their difference (the set of all b - a with points a and b of the two
-/// cores); its residual is |x - s n|. Candidate t is better than c if its width is larger, or equal to
-/// rounding with a smaller residual. If t is not better but its point has a smaller residual for the n and s
-/// of c, c takes this point. Returns whether c has changed.
+/// Compares two candidates c and t for the least distance of two cores (convex bodies without the balls that
+/// round them), and keeps the better one in c. A candidate is a unit normal n, the width s of the gap between
+/// the cores along n, and a point x of their difference (the set of all b - a with points a and b of the two
+/// cores); its residual is |x - s n|. t is better if its width is larger, or equal to rounding with a smaller
+/// residual. If t is not better, but its point has a smaller residual with the n and s of c, only this point
+/// is stored in c. Returns whether c has changed.
 bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   const bool higher = t.s > c.s + pair.rounding;
   const bool as_high = t.s >= c.s - pair.rounding;
@@ -43,13 +43,13 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
 
 /// Improves a candidate c for the distance of two cores (convex bodies without the balls that round them) by
 /// at most `rounds` proximal steps (D10.7). A candidate is a unit normal n, the width s of the gap between
-/// the cores along n, and a simplex: weighted points of the difference of the cores, which is the set of all
-/// b - a with points a and b of the two cores. A step shifts the difference along n by pair.step, a small
-/// part of the size of the bodies, or by pair.step - s if s is negative, so that it does not contain the
-/// origin. The new normal is the direction of the point of least norm of the shifted difference. For curved
-/// cores the first steps compute this point only roughly, and later steps to rounding errors. The function
-/// ends early if a step of the latter kind brings no improvement, or if the residual of c, the distance of
-/// the weighted mean of its points from s n, is a rounding error.
+/// the cores along n, and weighted points of the difference of the cores, which is the set of all b - a with
+/// points a and b of the two cores. The residual of c is the distance of the weighted mean of its points from
+/// s n. A step shifts the difference along n by pair.step, or by pair.step - s if s is negative, so that it
+/// does not contain the origin. The new normal is the direction of the point of least norm of the shifted
+/// difference. For cylinders and ellipsoids, the first steps compute this point only roughly. The function
+/// ends early if the residual is a rounding error, or if a step with a point that is exact to rounding does
+/// not improve c.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {

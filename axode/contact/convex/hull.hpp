@@ -18,12 +18,13 @@ struct Hull {
   std::array<int, 27> start{};  ///< vertex farthest along the middle of each sector(), see support.hpp
 };
 
-/// Makes a hull from vertices that are all extreme points and from its triangles, which are counter-clockwise
-/// seen from outside. Neighbouring triangles whose unit normals differ by less than `coplanar` make one face,
-/// which is the convex polygon of their vertices. Triangles that are nearly segments make no face of their
-/// own. Throws std::invalid_argument if there are fewer than four vertices, if a vertex is not finite or has
-/// no triangle, if the triangles are not a closed surface, or if one does not face away from the origin. That
-/// the surface is convex is not checked further.
+/// Makes a hull from its vertices, which must all be extreme points, and from its triangles, which must be
+/// counter-clockwise seen from outside. Neighbouring triangles are one face, the convex polygon of their
+/// vertices, if the unit normals of all differ from that of the largest one by a vector of a norm below
+/// `coplanar`. A triangle that is nearly a segment makes no face of its own. Throws std::invalid_argument if
+/// there are fewer than four vertices, if a vertex is not finite or has no triangle, if a triangle has an
+/// index without a vertex, if the triangles are not a closed surface, or if the origin is not on the inner
+/// side of a triangle that is not nearly a segment. Otherwise it is not checked that the surface is convex.
 Hull make_hull(std::vector<Vec3<>> vertices, std::span<const std::array<int, 3>> triangles,
                double coplanar = 1e-9);
 

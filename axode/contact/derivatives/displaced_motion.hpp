@@ -46,19 +46,18 @@ FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, cons
 /// parameters of body i and the unit screws U along which they move it,
 ///   ξ_i = ξ_p + U dπ + S dq,   dV_i = dV_p + [ξ_i, S v] + S dv                                     (D11.17)
 /// about a fixed point O, which at q is the origin of the first body on the path from the ground to body i.
-/// Costs O(n k). An object is the scratch memory of one thread.
+/// Costs O(n k) for n bodies. An object is the scratch memory of one thread.
 class DisplacedMotion {
  public:
   using Changes = Eigen::MatrixXd;
 
   explicit DisplacedMotion(const Model& model);
 
-  /// Sets the changes `geometry` (6 n × p, or empty) of the geometric parameters of all n bodies along p
-  /// directions. Rows 6 (i - 1) to 6 i - 1 belong to body i. Its parameters displace the joint of the body
-  /// and its subtree along the six unit screws, angular before linear, of the frame that the body has while
-  /// its joint is at zero. In later calls of run() with k directions, the columns of `geometry` are the
-  /// changes along the directions `first` to `first` + p - 1. If k ≤ `first`, the call has no changes of
-  /// geometric parameters.
+  /// Sets the changes of the geometric parameters of all n bodies along p directions: `geometry`, 6 n × p, or
+  /// empty if the parameters do not change. Rows 6 (i - 1) to 6 i - 1 belong to body i. The six parameters of
+  /// a body displace its joint and its subtree along the unit screws, angular before linear, of the frame
+  /// that the body has while its joint is at zero. If run() computes changes of the motion along k > `first`
+  /// directions, the columns of `geometry` belong to its directions `first` to `first` + p - 1.
   void set_geometry(const Changes& geometry, Eigen::Index first);
   /// Computes the poses and twists of all bodies and their changes along (dq, dv), nv × k each.
   void run(const double* q, const double* v, const Changes& dq, const Changes& dv);
@@ -76,11 +75,11 @@ class DisplacedMotion {
   /// these directions.
   Changes row_velocities(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                          const FrameChanges& daxes, int rows, double* u);
-  /// Adds to `out` (nv × k) the changes of the generalised impulse Jᵀ λ of one contact along k directions.
-  /// The directions are the changes (dq, dv) of the state that were given to the last run(). J is the
-  /// Jacobian of the relative velocities along the axes of the contact, and λ are the impulses along these
-  /// axes (`rows` numbers), which are held constant. `change` and `daxes` are the changes of the contact
-  /// point and of the axes along the directions.
+  /// Adds to `out` (nv × k) the changes of the generalised impulse Jᵀ λ of one contact along the k directions
+  /// (dq, dv) of the last run(), which computes the displaced motion. J is the Jacobian of the relative
+  /// velocities along the axes of the contact, and λ are the impulses along these axes (`rows` numbers),
+  /// which are constant. `change` and `daxes` are the changes of the contact point and of the axes along the
+  /// k directions.
   void add_impulse_changes(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                            const FrameChanges& daxes, int rows, const double* lambda, Changes& out);
 

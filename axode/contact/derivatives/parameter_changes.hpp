@@ -20,12 +20,12 @@ struct ParameterDirections {
   Eigen::Index count() const { return std::max({inertia.cols(), geometry.cols(), placement.cols()}); }
 };
 
-/// Computes the displacements ξ = U dπ of all n bodies by changes dπ (`geometry`, 6 n × p) of their geometric
-/// parameters along p directions, without the displacements of their predecessors. The result is
-/// 6 (n + 1) × p: its first six rows belong to the ground and are 0, and rows 6 i to 6 i + 5 belong to body
-/// i. The columns of U are the six unit screws of the frame that the body would have if its joint were at
-/// zero. ξ and U are in inertial axes about the present origin of the body's root body, which is the body of
-/// its branch that is joined to the ground. `at` has the poses of the bodies at q.
+/// Computes the displacements ξ = U dπ of all n bodies by changes dπ of their own geometric parameters along
+/// p directions; ξ of a body does not contain the displacement of its predecessor. `geometry` has dπ, 6 n ×
+/// p. The result is 6 (n + 1) × p; rows 6 i to 6 i + 5 belong to body i, and the first six rows, which are 0,
+/// to the ground. The columns of U are the six unit screws of the frame that the body would have if its own
+/// joint were at zero and all other joints at q. ξ and U are in inertial axes, about the origin at q of the
+/// first body on the path from the ground to the body. `at` has the poses of the bodies at q.
 Eigen::MatrixXd geometric_displacements(const Tree<double>& tree, const SpatialTree<double>& at,
                                         const double* q, const Eigen::MatrixXd& geometry);
 
