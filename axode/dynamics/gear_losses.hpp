@@ -114,11 +114,12 @@ class MovingGears {
   std::vector<ResistingJoint> joints_;
 };
 
-/// Computes accelerations `a` with the losses of the gears of moving joints (D9.10): first without losses
-/// and, if there are such gears, again with their friction forces added to `tau`. accelerate(q, v, tau) must
-/// compute `a` and return a Solvability. respond(q, velocities, responses) must write a row of nv numbers for
-/// each of `velocities`: the accelerations by a unit force on this velocity. q, v and tau may share memory
-/// with `a`. Throws std::invalid_argument if the model has springs in addition to gears with losses.
+/// Computes the accelerations `a` under the joint forces `tau` and the losses of the gears of moving joints
+/// (D9.10): first without losses and, if there are such gears, again with the friction forces of their joints
+/// added to a copy of `tau`. accelerate(q, v, tau) must compute `a` and return a Solvability. To find the
+/// friction forces, respond(q, velocities, responses) must write for each of `velocities` a row of nv
+/// numbers: the accelerations by a unit force on this velocity. q, v and tau may share memory with `a`.
+/// Throws std::invalid_argument if the model has springs in addition to gears with losses.
 template <class T, class Accelerate, class Respond>
 Solvability accelerate_with_gears(const Model& model, NumberSpan<T> q, NumberSpan<T> v, NumberSpan<T> tau,
                                   std::span<T> a, const Accelerate& accelerate, const Respond& respond) {
