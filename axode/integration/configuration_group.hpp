@@ -96,10 +96,10 @@ template <class T, class S = T> class ConfigurationGroup {
     });
   }
   /// Applies a map f of momenta joint by joint. For every joint of several velocities, let S be its unit
-  /// screws, x the entries for its velocities and p those of its momenta. `out` receives Sᵀ E f(S x, E S p),
+  /// screws, and x and p the entries of the arguments for its velocities. `out` receives Sᵀ E f(S x, E S p),
   /// where E exchanges the angular and the linear part of six numbers. With exchanged parts, the transpose of
   /// Ad_{exp X}, ad_X or dexp_X is the same map of screws with -X instead of X. For a joint of one velocity
-  /// `out` receives the entry of `plain`, or 0 if `plain` is null.
+  /// `out` receives the entry of the array `plain`, or 0 if `plain` is null.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

@@ -57,14 +57,14 @@ template <class T> struct ContactParameters {
   std::span<T> geometry = {};
 };
 
-/// Receives the states of a motion of K steps, K + 1 rows of nq and of nv numbers, and for each step, row by
-/// row, the derivatives of the state at its end: A (2nv × 2nv) by the state at its start, B (2nv × nv) by the
-/// drive forces τ, and C (2nv × 3 n for n shapes, or empty) by three numbers for each shape: friction,
-/// restitution, and the thickness of a layer by which the surface moves outwards. The columns of C are in the
-/// order of ContactParameters::surfaces. `by` has the derivatives by the other parameters (placement of the
-/// shapes, inertia of the bodies, geometry of the tree), for each kind K times 2nv rows with a column for
-/// each parameter; by.surfaces must be empty. The first nv rows, and columns of A, are those of q, and the
-/// last nv those of v. The spans must not overlap.
+/// Receives the states of a motion of K steps with contact, K + 1 rows of nq and of nv numbers, and for each
+/// step, row by row, the derivatives of the state (q, v) at its end: A (2nv × 2nv) by the state at its start,
+/// B (2nv × nv) by the drive forces τ, and C (2nv × 3 n for n collision shapes, or empty) by the surfaces of
+/// the shapes, in the order of ContactParameters::surfaces: friction, restitution, and thickness of a layer
+/// by which the surface moves outwards. Each span of `by` that is not empty receives derivatives by other
+/// parameters (placement of the shapes, inertia of the bodies, or geometry of the tree), for each step 2nv
+/// rows with a column for each parameter; by.surfaces must be empty. In all matrices the first nv rows, and
+/// in A also the first nv columns, belong to q, and the last nv to v. The spans must not overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B, C = {};
   ContactParameters<double> by = {};
@@ -93,13 +93,13 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        const Monitor& monitor = {},
                                        const ContactParameters<const double>& parameters = {});
 
-/// Reverse-mode differentiation of a motion of K steps with contact. From the gradients w_q and w_v of an
-/// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes the gradients of the
-/// objective by the other quantities: `gradient` receives the gradients by the initial q and v and by the
-/// drive forces. Each span of `by_parameters` that is not empty receives the gradients by the parameters of
-/// its kind: surfaces (friction, restitution, thickness of a layer) and placement of the collision shapes,
-/// inertia of the bodies, or geometry of the tree. Only by_parameters receives gradients by the geometry, so
-/// gradient.geometry must be empty. Stores 2 K nv (3 nv + p) numbers for p parameters. Allocates.
+/// Reverse-mode differentiation of a motion of K steps with contact. w_q and w_v are the gradients of an
+/// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers). `gradient` receives the
+/// gradients of the objective by the initial q and v and by the drive forces; gradient.geometry must be
+/// empty. Each span of `by_parameters` that is not empty receives the gradients by the parameters of its
+/// kind: surfaces (friction, restitution, thickness of a layer) and placement of the collision shapes,
+/// inertia of the bodies, or geometry of the tree. Stores 2 K nv (3 nv + p) numbers for p parameters.
+/// Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

@@ -82,11 +82,11 @@ class Tracking {
   ConfigurationGroup<double> group_;
 };
 
-/// A proportional-derivative controller: τ = kp x + kd (v_d - v) + feedforward. The deviation x from the
-/// reference q_d is defined by q ⊕ x = q_d, where rotations take the shorter way round; v_d are the reference
-/// velocities, and `feedforward` is a drive or empty. kp is in N m/rad or N/m, kd in N m s/rad or N s/m.
-/// `clip` limits τ to the effort limits of the joints. Throws std::invalid_argument if gains are negative or
-/// not finite, or if their number is not 1 or nv.
+/// A proportional-derivative controller: τ = kp x + kd (v_d - v) + w. The deviation x from the reference q_d
+/// is defined by q ⊕ x = q_d, where rotations take the shorter way round; v_d are the reference velocities,
+/// and w are the forces that the function `feedforward` computes, or 0 if it is empty. kp is in N m/rad or
+/// N/m, kd in N m s/rad or N s/m. `clip` limits τ to the effort limits of the joints. Throws
+/// std::invalid_argument if gains are negative or not finite, or if their number is not 1 or nv.
 class ProportionalDerivative : public Tracking {
  public:
   ProportionalDerivative(const Model& model, const Gains& gains, Reference reference, Drive feedforward = {},

@@ -179,11 +179,11 @@ void DryFriction::constrain_derivatives(std::initializer_list<std::span<double>>
   }
 }
 
-/// Finds the friction forces x of sticking joints that minimise x·(Φ x/2 + a_0) under |x_c| ≤ f_c (D9.4).
-/// Here Φ is ∂a/∂τ, a_0 are the accelerations without these forces, and f_c are the friction limits. By an
-/// active-set method: in each iteration, the forces inside their bounds move to the minimum at which the
-/// others remain as they are, or until the first of them reaches its bound. At the minimum, a force at its
-/// bound that does not oppose the acceleration of its joint becomes free.
+/// Finds the friction forces x of sticking joints that minimise x·(Φ x/2 + a_0) under |x_c| ≤ f_c (D9.4),
+/// with Φ = ∂a/∂τ, the accelerations a_0 without these forces, and the friction limits f_c. The method is an
+/// active-set iteration. In each iteration the forces inside their bounds move towards their minimum, with
+/// the forces at a bound held constant, until one of them reaches its bound or the minimum is reached. At the
+/// minimum, one of the forces at a bound that do not oppose the acceleration of their joint becomes free.
 void DryFriction::find_forces(double size) {
   const Eigen::Index k = A_.rows();
   const auto accelerations = [&] {

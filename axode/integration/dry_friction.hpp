@@ -13,13 +13,13 @@
 namespace axode {
 
 /// Losses of joints: Coulomb friction, damping, and losses of gears. A velocity v_c with the friction limit
-/// f_c (N m or N) either slides in one direction under the constant force -f_c sign(v_c), or it sticks, v_c =
-/// 0, under any force up to f_c (D9.1). The direction of sliding is a part of the state, and changes only at
-/// the end of a step.
+/// f_c (N m or N) either slides in one direction under the friction force -f_c sign(v_c), or it sticks, v_c =
+/// 0, under a friction force of magnitude up to f_c (D9.1). The direction of sliding is a part of the state,
+/// and changes only at the end of a step of integration.
 ///
 /// The friction forces x of sticking velocities change the accelerations from a to a + Φ x with Φ = ∂a/∂τ. By
 /// Gauss' principle they minimise x·(Φ x/2 + a) under |x_c| ≤ f_c (D9.4): either the resulting acceleration
-/// of c is 0, or x_c is at its bound and opposes this acceleration.
+/// of velocity c is 0, or x_c is at its bound and opposes this acceleration.
 ///
 /// The loss of a gear is dry friction whose bound depends on the force that the gear transmits, and hence on
 /// the accelerations.
@@ -52,25 +52,26 @@ class DryFriction {
   void start(Span v);
   /// Adds the damping of all joints and the dry friction of sliding joints at v to the joint forces tau (nv).
   void add_losses(Span v, std::span<double> tau) const;
-  /// Finds the friction forces of sticking velocities and of gears with losses, which depend on the
-  /// accelerations. In the call, a (nv numbers) are the accelerations without these forces; their effect is
-  /// added to it. `compliance` has the columns of Φ = ∂a/∂τ for these velocities, and `own` the acceleration
-  /// of each of them under a unit force if the loops are open. `norm` is the weighted norm √Σ m_c a_c² of all
-  /// accelerations, with estimated inertias m_c. The tolerance within which the acceleration of a sticking
-  /// joint counts as 0 grows with it. `drive` has the drive forces that pass through gears (nv numbers); it
-  /// is read only if a gear has losses. Returns -1 if the accelerations are unique. Otherwise returns the
-  /// index of the velocity of a gear that is too strongly self-locking (D9.12).
+  /// Finds the friction forces of sticking velocities and of gears with losses, and adds their effect to a.
+  /// On entry a (nv numbers) are the accelerations without these forces; on return the acceleration of a
+  /// velocity that friction holds is 0. `compliance` has the columns of Φ = ∂a/∂τ for the velocities that
+  /// stick or have gears with losses, and `own` the acceleration of each of these velocities under a unit
+  /// force on it if the loops are open. `norm` is the norm √Σ m_c a_c² with estimated inertias m_c; the
+  /// tolerance within which the acceleration of a sticking velocity counts as 0 grows with the norm of a.
+  /// `drive` has the drive forces that pass through gears (nv numbers); it is read only if a gear has losses.
+  /// Returns -1 or, if the forces are not unique or not found, the index of the velocity of a gear, in
+  /// general one that is too strongly self-locking (D9.12).
   [[nodiscard]] int apply_friction(const Matrix& compliance, Span own, const EnergyNorm& norm, Span v,
                                    Span drive, std::span<double> a);
   /// Adds the losses of moving gears to the residuals r = ID(q, v, a) - τ (nv numbers) of the equations of
   /// motion, with inverse dynamics ID (D9.13). `drive` has the drive forces that pass through gears.
   void add_gear_losses(Span v, Span a, Span drive, std::span<double> r);
   /// Adds the derivatives of the gear losses, as add_gear_losses() computed them last, to derivatives of the
-  /// residuals ID(q, v, a) - τ with inverse dynamics ID. `derivatives` are nv × nv matrices [residual,
-  /// direction]. The first matrix has the derivatives by a; the others, in any number and order, have the
-  /// derivatives by other variables, such as q or v. On entry they must not contain the derivatives of the
-  /// forces of drives and damping, because the losses do not depend on these forces at given q, v and a.
-  /// These derivatives must be added after the call.
+  /// residuals ID(q, v, a) - τ of the equations of motion, with inverse dynamics ID. `derivatives` are nv ×
+  /// nv matrices [residual, variable]: first the derivatives by a, then any number of derivatives by other
+  /// variables, such as q or v. On entry they must not contain the derivatives of the forces of drives and
+  /// damping, on which the losses do not depend at given q, v and a; the caller adds those derivatives after
+  /// the call.
   void scale_derivatives(std::initializer_list<std::span<double>> derivatives) const;
 
   /// Adapts derivatives of the accelerations to sticking joints: after the call they hold under the condition
@@ -110,11 +111,10 @@ class DryFriction {
     Gear gear = {};     ///< without losses if the joint has no such gear
     double slope = 0;   ///< derivative of the loss of a moving gear by the force that it transmits
 
-    /// Computes the member `margin` of a sticking joint, bound - |force| + (2 tolerance - |a|)/own, which is
-    /// positive while friction holds the joint. `force` is the present friction force, `bound` its limit, a
-    /// the acceleration of the joint under this force, and `own` the acceleration of the joint by a unit
-    /// force. Friction holds the joint if |a| <= tolerance. The tolerance is doubled in the margin so that
-    /// the margin is clearly positive for every such a, even if the force is at its limit.
+    /// Sets `margin` of a sticking joint to bound - |force| + (2 tolerance - |a|)/own, which is positive if
+    /// friction holds the joint, that is, if |a| <= tolerance. `force` is the present friction force, `bound`
+    /// its limit, a the acceleration of the joint under this force, and `own` the acceleration of the joint
+    /// by a unit force on it. Also a force at its limit has a positive margin then.
     void set_margin(double bound, double a, double tolerance, double own) {
       margin = bound - std::abs(force) + (2 * tolerance - std::abs(a)) / own;
     }
@@ -134,10 +134,9 @@ class DryFriction {
   /// entries.
   void factorize(double size);
   /// Computes the friction forces x of sticking joints and their accelerations a_0 + Φ x, with Φ = ∂a/∂τ and
-  /// the accelerations a_0 without these forces. The active-set iteration, which finds the forces that are at
-  /// their bounds, begins with the forces of the previous call. `size` is the largest acceleration of one of
-  /// these joints by a unit force on it if the loops are open. factorize() adds 1e-12 `size` to the diagonal
-  /// of Φ, because Φ may be singular.
+  /// the accelerations a_0 without these forces. The iteration begins with the forces of the previous call.
+  /// `size` is the largest acceleration of one of these joints by a unit force on it if the loops are open;
+  /// it scales the regularisation of Φ.
   void find_forces(double size);
 
   const Tree<double>* tree_;

@@ -86,11 +86,11 @@ class AdjointStep {
     return verdict;
   }
 
-  /// Reverse-mode differentiation of the step. On entry, w_q and w_v are the gradients of the objective by
-  /// the state at the end of the step; on return, those by the state at its start. The gradients by the drive
-  /// forces are added to by_tau (nv numbers). Those by the geometric parameters, which displace the joint of
-  /// a body and its subtree along unit screws, are added to by_geometry (6 n_bodies numbers) unless this is
-  /// null.
+  /// Reverse-mode differentiation of the step. On entry, w_q and w_v are the gradients of the objective by q
+  /// and v at the end of the step; on return, they are its gradients by q and v at the start. Adds the
+  /// gradients by the drive forces to by_tau (nv numbers) and, unless by_geometry is null, the gradients by
+  /// the geometric parameters to by_geometry (6 n_bodies numbers). The six geometric parameters of a body
+  /// displace its joint and its subtree along unit screws.
   void back(double h, Matrix& w_q, Matrix& w_v, double* by_tau, double* by_geometry) {
     const Tableau& m = method_;
     const bool euler = m.b.size() == 1;
@@ -135,11 +135,12 @@ class AdjointStep {
     stage.v.assign(v_i.begin(), v_i.end());
     return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), springs_.forces(q_i, v_i, tau), loads_);
   }
-  /// Reverse-mode differentiation of the accelerations of one stage of the Runge-Kutta method: from the
-  /// gradient w_L of the objective by the accelerations, computes the gradients w_eta_ and w_V_ by the
-  /// configuration and the velocity of the stage. Adds the gradients by the drive forces to by_tau (nv
-  /// numbers), and those by the geometric parameters of all bodies to by_geometry (6 n_bodies numbers) unless
-  /// this is null. The parameters of a body displace its joint and its subtree along unit screws.
+  /// Reverse-mode differentiation of the accelerations of one stage of the Runge-Kutta method. From the
+  /// gradient w_L of the objective by these accelerations, computes its gradients w_eta_ and w_V_ by the
+  /// configuration and the velocity of the stage. Adds its gradients by the drive forces to by_tau (nv
+  /// numbers) and, unless by_geometry is null, its gradients by the geometric parameters of all bodies to
+  /// by_geometry (6 n_bodies numbers). The six geometric parameters of a body displace its joint and its
+  /// subtree along unit screws.
   void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
     dynamics.compute_gradient(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);

@@ -14,9 +14,10 @@
 /// loads.joint_losses is set, the damping and Coulomb friction of joints act; friction has the derivative 0.
 /// Springs, dampers and stops of the model act; with springs a stage of the method costs O(n²). Throws
 /// std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load on a frame that does
-/// not exist, step <= 0, a faulty tableau, results that share memory with arguments, and mechanisms with
-/// loops, prescribed motions, drives with states or couplings with play. If the returned status is not ok(),
-/// because accelerations could not be computed or are not finite, all results are NaN.
+/// not exist, step <= 0, inconsistent coefficients of the method (its Butcher tableau), results that share
+/// memory with arguments, and mechanisms with loops, prescribed motions, drives with states or couplings with
+/// play. If accelerations cannot be computed or are not finite, the returned status is not ok(), and all
+/// results are NaN.
 namespace axode {
 
 /// Receives the state (q, v) at the end of a step, and its derivatives A by the state at the start (2nv ×

@@ -60,9 +60,9 @@ struct SimulationOptions {
   std::vector<double> x = {};
   /// Whether damping, dry friction and gear losses of the joints act. In relative coordinates a joint at rest
   /// sticks while its friction can hold it: a step ends when a joint comes to rest or begins to slide. In
-  /// absolute coordinates the dry friction of a joint with the limit f is -f sign(v). Losses of gears throw
-  /// std::invalid_argument in absolute coordinates, in simulate_symplectic(), simulate_momenta() and
-  /// simulate_contact(), and with play.
+  /// absolute coordinates the dry friction of a joint with the limit f is -f sign(v). If joint_losses is set,
+  /// a gear with losses causes std::invalid_argument in absolute coordinates, in simulate_symplectic(),
+  /// simulate_momenta() and simulate_contact(), and in models that have a coupling with play.
   bool joint_losses = false;
   std::vector<Event> events = {};
   /// A function that is called with the time t (s) at the end of each step, and during a step with contact
@@ -80,12 +80,13 @@ Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::sp
                           double until, double step, const Tableau& method = runge_kutta(4),
                           const SimulationOptions& options = {});
 
-/// Integrates stiff systems by the generalised-α method on the group, which is implicit, of second order, and
-/// damps fast oscillations numerically; its equations are solved by Newton's method with exact derivatives of
-/// the dynamics and, if needed, difference quotients of drive forces. The spectral radius at infinity is the
-/// part of a fast oscillation that remains after a step: 1 means all of it, 0 nothing. A step that does not
-/// converge ends the motion. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit
-/// norm, a number that is not finite, until < 0 or step <= 0, and for a radius outside [0, 1].
+/// Integrates stiff systems by the generalised-α method on the group of configurations. The method is
+/// implicit and of second order, and damps fast oscillations numerically. Its equations are solved by
+/// Newton's method with exact derivatives of the dynamics and, if needed, difference quotients of drive
+/// forces. The spectral radius at infinity (0 to 1) is the part of a fast oscillation that remains after a
+/// step. A step that does not converge ends the motion. Throws std::invalid_argument for a wrong size, a
+/// quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for a
+/// spectral radius outside [0, 1].
 ///
 /// In relative coordinates `stabilized` must be true. In absolute coordinates joints and loops are imposed on
 /// positions (index 3) or, if `stabilized` is true, on positions and velocities (index 2, after Gear, Gupta
@@ -98,12 +99,12 @@ Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::sp
                           const SimulationOptions& options = {}, bool stabilized = true);
 
 /// Integrates in absolute coordinates, which the options must ask for, by RATTLE (order 2) or its
-/// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.9) of docs/derivations. The implicit method is
-/// symplectic if forces have a potential, so that energy errors stay bounded; with damping, drives and
-/// rolling contacts it keeps its order only. Joints and loops hold to rounding in positions and velocities. A
-/// step that does not converge ends the motion. Throws std::invalid_argument for a wrong size, a quaternion
-/// that is not of unit norm, a number that is not finite, until < 0 or step <= 0, other orders, events, dry
-/// friction, elastic stops and relative coordinates.
+/// compositions (order 4: Suzuki's, order 6: Kahan's and Li's), see (D8.9) of docs/derivations. The implicit
+/// method is symplectic if forces have a potential, so that energy errors stay bounded; with damping, drives
+/// and rolling contacts it keeps its order only. Joints and loops hold to rounding in positions and
+/// velocities. A step that does not converge ends the motion. Throws std::invalid_argument for a wrong size,
+/// a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, other orders,
+/// events, elastic stops, relative coordinates and, if joint_losses is set, dry friction.
 Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::span<const double> v,
                            double until, double step, int order = 2, const SimulationOptions& options = {});
 
@@ -117,17 +118,17 @@ Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::s
 Trajectory simulate_half_explicit(const Model& model, std::span<const double> q, std::span<const double> v,
                                   double until, double step, const SimulationOptions& options = {});
 
-/// Integrates configuration and momenta (q, p) by the midpoint rule on the group (order 2) or its
-/// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.5) of docs/derivations. The implicit method is
-/// symmetric, and symplectic if forces have a potential (and no joint of several velocities has armatures),
-/// so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. If only gravity
-/// acts on a floating base (a root body on a free joint without armature) and its subtree from outside, its
-/// linear momentum and its angular momentum about its centre of mass are exact to rounding; without gravity
-/// also its spatial momentum. Impulses at both ends of a step close the loops in positions and velocities
-/// (D8.7). A step that does not converge ends the motion. Throws std::invalid_argument for a wrong size, a
-/// quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, other orders,
-/// events, dry friction, elastic stops, rolling contacts, belts and options that ask for absolute
-/// coordinates.
+/// Integrates configuration and momenta (q, p) by the midpoint rule on the group of configurations (order 2)
+/// or its compositions (order 4: Suzuki's, order 6: Kahan's and Li's), see (D8.5) of docs/derivations. The
+/// implicit method is symmetric, and symplectic if forces have a potential (and no joint of several
+/// velocities has armatures), so that energy errors stay bounded; damping and drives enter by d'Alembert's
+/// principle. If only gravity acts on a floating base (a root body on a free joint without armature) and its
+/// subtree from outside, its linear momentum and its angular momentum about its centre of mass are exact to
+/// rounding; without gravity also its spatial momentum. Impulses at both ends of a step close the loops in
+/// positions and velocities (D8.7). A step that does not converge ends the motion. Throws
+/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
+/// finite, until < 0 or step <= 0, other orders, events, elastic stops, rolling contacts, belts, options that
+/// ask for absolute coordinates and, if joint_losses is set, dry friction.
 Trajectory simulate_symplectic(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
@@ -150,8 +151,8 @@ Trajectory simulate_contact(const Model& model, std::span<const double> q, std::
 /// outside, its linear momentum and its angular momentum about its centre of mass are exact to rounding, but
 /// the method is not symplectic. Loops are closed again after each step; rolling contacts are allowed. Throws
 /// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
-/// finite, until < 0 or step <= 0, events, dry friction, elastic stops and options that ask for absolute
-/// coordinates.
+/// finite, until < 0 or step <= 0, events, elastic stops, options that ask for absolute coordinates and, if
+/// joint_losses is set, dry friction.
 Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const Tableau& method = runge_kutta(4),
                             const SimulationOptions& options = {});
