@@ -83,13 +83,13 @@ Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::In
   return x;
 }
 
-/// Returns the point of a branch (a smooth set of configurations through q) that is compared with the point
-/// x. If the dimension is above 1, it is the point with the same projection on the tangent space at q as x,
-/// computed to second order. If the branch is a curve, the point is computed from the power series of the
-/// curve at the parameter |τ|^(1/power), with the sign of τ or, if `other_side` is set, with the opposite
-/// sign. Here τ is the displacement of x from q along the unit tangent. `power` is the power of the
-/// parameter with which the series begins: 1, or more at a cusp, where both signs can give points with the
-/// same displacement.
+/// Returns the point of a branch (a smooth set of configurations through q) with which a given point x is
+/// compared, to find out whether x lies on the branch. Points are displacements from q, and τ are the
+/// components of x along the tangent space of the branch at q. If the dimension of the branch is above 1, the
+/// result is its point with the components τ, computed to second order. If the branch is a curve, it is a
+/// power series that begins with the given power of its parameter, and the result is its point at the
+/// parameter |τ|^(1/power), with the sign of τ or, if `other_side` is set, with the opposite sign. Both
+/// points can have the component τ at a cusp (power > 1).
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {
@@ -140,10 +140,10 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
 }
 
 /// Computes the limit, for h → 0, of a difference quotient on a branch (a smooth set of configurations with
-/// closed loops), by Romberg's method. difference(a, b, h) must return the quotient, already divided by the
-/// power of h, for two points a and b of the branch. The projections T a and T b of these points on the
-/// orthonormal rows of T are h c and -h c with a constant vector c. The function is called for four values
-/// of h, each of them half of the previous one. The error of the quotient must be a series in h².
+/// closed loops) by Romberg's method. Points of the branch are displacements from q, and the orthonormal rows
+/// of T span a tangent space. difference(a, b, h) is called for four values of h, each half of the previous
+/// one, with the points a and b of the branch for which T a = h c and T b = -h c, and returns the quotient.
+/// The error of the quotient must be a power series in h².
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {

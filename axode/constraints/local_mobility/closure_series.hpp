@@ -5,12 +5,12 @@
 #include "axode/constraints/local_mobility/polynomial_ring.hpp"
 #include "axode/constraints/local_mobility/walks.hpp"
 
-/// Computes power series for a loop of joints by Lie brackets of joint screws. The product f of the
-/// exponentials of all joints around the loop is a pose; it is the identity if the loop is closed. The joint
-/// coordinates are polynomials in given variables, and the series are in these variables. One series is
-/// log f. The other one is V: if the variables move along a ray t u from 0 with t as time, V is t times the
-/// spatial twist of the last body of the loop. Each series is a matrix of coefficients with a row for each of
-/// its six coordinates and a column for each monomial of the variables.
+/// Computes power series for a loop of joints by Lie brackets of joint screws. The joint coordinates are
+/// given polynomials in some variables, and the series are in these variables. One series is log f, where f
+/// is the product of the exponentials of all joints around the loop, the identity if the loop is closed. The
+/// other series is t times the spatial twist of the last body of the loop, if the variables move along a ray
+/// t u from 0 with t as time. A series is a matrix of coefficients with a row for each of the six screw
+/// coordinates and a column for each monomial.
 namespace axode::higher_order {
 
 /// Computes the power series V of the spatial twist of the last body of a loop, up to the given degree. The

@@ -183,12 +183,12 @@ int dimension_of_cone(const PolynomialRing& ring, const Eigen::MatrixXd& F, cons
   return 1 + singular_values(all).rank(0.3);
 }
 
-/// Improves an isolated common zero e of homogeneous polynomials F in d variables, with |e| = 1. A simple
+/// Improves an isolated common zero e, with |e| = 1, of homogeneous polynomials F in d variables. A simple
 /// zero, at which ∂F/∂e has the rank d - 1, is returned unchanged. For a multiple zero, Newton's method is
-/// applied to the larger system F(e) = 0, (∂F/∂e) λ = 0, |e| = 1, a·λ = 1 for the unknowns e and λ. The unit
-/// vector a is constant, orthogonal to the given e, and nearly in the kernel of ∂F/∂e there. If e is a double
-/// zero of F, e is a simple zero in this system, but λ is determined only up to a multiple of e, because
-/// (∂F/∂e) e = 0. Each step is therefore the least-squares solution of least norm of the linearised system.
+/// applied to the system F(e) = 0, (∂F/∂e) λ = 0, |e| = 1, a·λ = 1 for the unknowns e and λ. The unit vector
+/// a is constant; it is orthogonal to the given e, and nearly in the kernel of ∂F/∂e at the given e. Each
+/// step is the least-squares solution of least norm of the linearised system, because λ is determined only up
+/// to a multiple of e.
 Eigen::VectorXd polished(const PolynomialRing& ring, const Eigen::MatrixXd& F, const Eigen::VectorXd& e) {
   constexpr double farthest = 1e-5, negligible = 1e-6;
   const Eigen::Index d = e.size(), m = F.rows();

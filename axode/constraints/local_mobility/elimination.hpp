@@ -28,11 +28,10 @@ struct Elimination {
   Eigen::MatrixXd z;                     ///< polynomials z(u) that solve the equations in the range of the
                                          ///< derivative
   Eigen::MatrixXd left;                  ///< columns: a basis of the left null space of the derivative
-  /// Sizes to which the rounding errors of coefficients are proportional, one for each degree. The
-  /// elimination has solved the equations φ(z) = 0 by polynomials z(u), as far as the derivative ∂φ/∂z at 0
-  /// determines the unknowns z. The equations g(u) = 0 remain for coordinates u of the kernel of this
-  /// derivative. The size for a degree is the largest absolute coefficient of z(u) and g(u) up to that
-  /// degree, but at least 1.
+  /// Entry k is the largest absolute coefficient, up to degree k, of the polynomials z(u) and g(u), but at
+  /// least 1. Rounding errors of coefficients of degree k are proportional to it. The polynomials z(u) solve
+  /// the equations φ(z) = 0 as far as their derivative at 0 determines z, and g(u) = 0 are the equations that
+  /// remain for the coordinates u of the kernel of this derivative.
   std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };

@@ -61,12 +61,12 @@ std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, cons
   return found;
 }
 
-/// The power series of the solutions of h(s, v) = 0 along which ∂h/∂v is singular (multiple solutions). The
-/// equations h = 0 are the result of a blow-up: u = s (e + B v) was substituted for the unknowns u, where s
-/// is the distance along a direction e, the columns of B are an orthonormal basis of the directions
-/// orthogonal to e, and v are the coordinates of the deviation from e in this basis. The solutions also
-/// solve the larger system h = 0, (∂h/∂v) λ = 0, in which a kernel vector λ is an additional unknown. λ
-/// varies along a solution; its projection on the kernel of ∂h/∂v at s = 0, v = 0 is held constant (D13.12).
+/// Computes the power series, at s = 0 and v = 0, of the solutions of h(s, v) = 0 along which ∂h/∂v is
+/// singular (multiple solutions). These also solve the larger system h = 0, (∂h/∂v) λ = 0 with a kernel
+/// vector λ as additional unknown. λ varies along a solution; its projection on the kernel of ∂h/∂v at s = 0,
+/// v = 0 is held constant (D13.12). The equations h = 0 are the result of a blow-up: u = s (e + B v) was
+/// substituted for unknowns u, with the distance s along a direction e and the coordinates v in the basis B
+/// of the directions orthogonal to e.
 std::vector<Germ> deflated(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& h,
                            int depth) {
   const int d = ring.variables(), K = ring.degree() - 1;

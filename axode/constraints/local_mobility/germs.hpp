@@ -16,9 +16,9 @@ struct Germ {
 
 /// Returns the power series (germs) at 0 of the real solutions of polynomial equations g = 0 without linear
 /// terms. The methods are elimination, blow-ups, which substitute a direction and a distance for the unknowns
-/// (D13.11), and deflation, which adds unknowns for multiple solutions (D13.12). `scale` has, for each
-/// degree, the size of numbers to which rounding errors are proportional, and `depth` is the number of
-/// blow-ups so far.
+/// (D13.11), and deflation, which adds unknowns for multiple solutions (D13.12). Rounding errors of
+/// coefficients of degree k are proportional to entry k of `scale`. `depth` is the number of blow-ups from
+/// which the equations g = 0 result.
 std::vector<Germ> germs(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& g,
                         const std::vector<double>& scale, int depth = 0);
 

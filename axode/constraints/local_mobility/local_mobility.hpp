@@ -132,22 +132,25 @@ struct LocalMobility {
   bool decided_by_rank = false;
 };
 
-/// Returns words that describe a configuration of a mechanism with loops: "rigid", "branch point", "cusp",
-/// "kinematotropic", "kinematic singularity", "shaky" and "rigid at order m", as far as they apply; "regular"
-/// if none of them applies and the result is settled; "dead point of NAME" for a driven joint that has no
-/// velocity at the configuration but moves near it; "idle drive of NAME" for a driven joint that rests along
-/// a branch of motions; and "not settled up to order K". Joints are driven unless they are passive. Returns
-/// "no loops" for a mechanism without loops.
+/// Returns words for a configuration, from the result `found` of local_mobility() there: as far as they
+/// apply, "rigid", "branch point", "cusp", "kinematotropic", "kinematic singularity", "shaky" and "rigid at
+/// order m"; "regular" if none of these applies and the result is settled; "dead point of NAME" for a driven
+/// (not passive) joint that has no velocity at the configuration but moves near it; "idle drive of NAME" for
+/// a driven joint that rests along a branch of motions; "not settled up to order K" if the mobility by order,
+/// the branches and their closed points do not agree up to order K of the loop equations, otherwise the
+/// result is settled; "no loops" for a mechanism without loops and couplings.
 std::vector<std::string> mobility_words(const Model& model, const LocalMobility& found);
 
-/// Finds how a mechanism with loops can move from a closed configuration q (nq): the mobility by order, the
-/// branches of the configuration space (smooth sets of configurations with closed loops) with tangents and
-/// curvatures, cusps, and shakiness: velocities that the loops allow without a finite motion.
+/// Finds how a mechanism with loops can move from a closed configuration q (nq): the dimension of the
+/// velocities that satisfy the loop equations up to each order, the branches of the configuration space
+/// (smooth sets of configurations with closed loops) with tangents and curvatures, cusps, and shakiness:
+/// velocities without a finite motion.
 ///
-/// The equations of the loops are expanded to order K by brackets of joint screws (D13.3 to D13.6). The
-/// coordinates that they determine are eliminated (D13.8). The remaining equations are solved by blow-ups
-/// (substitutions of a direction and a distance for the unknowns, D13.11) and deflation (additional unknowns
-/// for multiple solutions, D13.12). Finally, every branch is traced by configurations with closed loops.
+/// The loop equations are expanded in the joint coordinates up to degree K by brackets of joint screws (D13.3
+/// to D13.6). Coordinates that the linear terms determine are eliminated (D13.8). The remaining equations are
+/// solved by blow-ups (substitutions of a direction and a distance for the unknowns, D13.11) and deflation
+/// (additional unknowns for multiple solutions, D13.12). Finally, points with closed loops are computed on
+/// every branch.
 ///
 /// Allocates. The function takes about 1 ms for a loop of six joints with one branch; its time grows with the
 /// number of products of monomials, C(2d + K, K) if the loops allow velocities of dimension d. The order K of
@@ -162,13 +165,13 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 /// joints. Each has a name, the index of the velocity in v (-1 for a loop joint), and the unit, rad or m.
 std::vector<ClosureCoordinate> closure_coordinates(const Model& model);
 
-/// Computes, for each loop joint, the sum V of the joint twists on the way around its loop, and its time
-/// derivatives at t = 0, along a curve q ⊕ x(t). The way leads from the body where the two paths of the loop
-/// meet to its first body, across the loop joint, and back. Column k of the result (6 × K, k = 1 ... K) is
-/// d^(k-1)V/dt^(k-1), spatial about the inertial origin, in rad and m. All columns are 0 if the curve is a
-/// motion of the mechanism (D13.5). `derivatives` has x', x'', ... as its columns (n × K, rad and m, in the
-/// order of closure_coordinates()). O(n K²) brackets. Throws std::invalid_argument for wrong sizes, numbers
-/// that are not finite, and rolling contacts and belts.
+/// Computes, for each loop joint, the sum V of the joint twists around its loop, and the time derivatives of
+/// V at t = 0, for the motion q ⊕ x(t) of the joints. The twists are added from the last common predecessor
+/// of the two bodies of the loop joint to its first body, across the loop joint, and from its second body
+/// back. Column k of the result (6 × K, k = 1 ... K) is d^(k-1)V/dt^(k-1), spatial about the inertial origin.
+/// All columns are 0 if the loops stay closed (D13.5). `derivatives` has x', x'', ... as its columns (n × K,
+/// rad and m, in the order of closure_coordinates()). O(n K²) brackets. Throws std::invalid_argument for
+/// wrong sizes, a K above 20, numbers that are not finite, and rolling contacts and belts.
 std::vector<Eigen::MatrixXd> closure_derivatives(const Model& model, std::span<const double> q,
                                                  const Eigen::Ref<const Eigen::MatrixXd>& derivatives);
 

@@ -12,10 +12,10 @@ namespace axode::loops {
 /// among ω_x ω_y ω_z v_x v_y v_z in the frame of the joint and, for a helical joint, by the pitch in v_z =
 /// pitch ω_z.
 ///
-/// S spans the Lie algebra of the subgroup, and T the wrenches with Tᵀ S = 0. The pose of the second frame
-/// relative to the first is written as D = g E with the motion g in the subgroup for which the coordinates of
-/// (log R_E; r_E) in the free directions are 0, where R_E is the rotation and r_E the position of E. The
-/// residual is r = Tᵀ (log R_E; r_E). It is 0 for all D in the subgroup.
+/// S spans the Lie algebra of the subgroup, and T the wrenches with Tᵀ S = 0. The pose of the joint frame on
+/// the second body relative to that on the first is D = g E, with the motion g in the subgroup for which the
+/// coordinates of (log R_E; r_E) in the free directions are 0, where R_E is the rotation and r_E the position
+/// of E. The residual r = Tᵀ (log R_E; r_E) is 0 for all D in the subgroup.
 struct SubgroupClosure {
   std::array<bool, 6> free{};
   double pitch = 0;  ///< m/rad, 0 unless the joint is helical
@@ -69,13 +69,14 @@ struct SubgroupClosure {
     }
   }
   /// Computes the wrenches R with r' = Rᵀ (V_j - V_i) for the residual r of the joint and the twists V_i and
-  /// V_j of its two bodies (D6.4). D = g E is the relative pose of the frames of the joint, and g a motion in
-  /// the subgroup that the joint allows. With φ = log R_E, the rotation R_E and the position r_E of E, the
-  /// residual is r = Tᵀ (φ; r_E). In the frame of the joint r' = P X for X = D⁻¹ D' and
+  /// V_j of its two bodies (D6.4). D = g E is the pose of the joint frame on the second body relative to that
+  /// on the first, with a motion g that the joint allows. With φ = log R_E, and the rotation R_E and the
+  /// position r_E of E, r is Tᵀ (φ; r_E). In the joint frame on the second body, V_j - V_i is X = D⁻¹ D', and
+  /// r' = P X with
   ///   P = Tᵀ (I - K (Nᵀ K)⁻¹ Nᵀ) B
-  /// with B = diag(dexp⁻¹_{-φ}, R_E) and K = B Ad_E⁻¹ S. S spans the free screws of the joint, and T the
-  /// wrenches reciprocal to them. The columns of N are unit vectors of those coordinates of (φ; r_E) that are
-  /// 0 by the choice of g.
+  /// and B = diag(dexp⁻¹_{-φ}, R_E), K = B Ad_E⁻¹ S. S spans the free screws of the joint, and T the wrenches
+  /// reciprocal to S. The columns of N are unit vectors of those coordinates of (φ; r_E) that are 0 by the
+  /// choice of g.
   template <class T> void residual_wrenches(const LoopFrames<T>& at, SpatialWrench<T>* R) const {
     const SE3<T> E = strip(relative(at));
     const Vec3<T> phi = log_SO3(E.R);
