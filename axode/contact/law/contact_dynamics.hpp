@@ -13,22 +13,21 @@ struct [[nodiscard]] ContactStatus {
   bool holds(double tolerance = 1e-9) const { return mass_matrix.ok() && solution.holds(tolerance); }
 };
 
-/// Computes the velocities v⁺ after a step h at a given state (q, v) of a mechanism with contacts, hard
-/// stops, joints with dry friction and closed loops, all in one problem (D11.5): M (v⁺ - v) = h (τ - b) + Jᵀ
-/// λ, with the mass matrix M, the drive forces τ, the bias forces b(q, v), and the Jacobian J of the
-/// constraint rows. The velocities J v⁺ + r of the rows obey the laws of contact and friction (Signorini,
-/// Coulomb) together with the impulses λ; the terms r are given below. All matrices are taken at the given
-/// state; nothing is integrated.
+/// Computes the velocities v⁺ after a step h from a state (q, v) of a mechanism with contacts, hard stops,
+/// joints with dry friction and closed loops, all in one problem (D11.5): M (v⁺ - v) = h (τ - b) + Jᵀ λ, with
+/// the mass matrix M, the drive forces τ, the bias forces b(q, v), and the Jacobian J and the impulses λ (N
+/// s, N m s) of the constraint rows. J v⁺ + r and λ obey the laws of Signorini (contacts, stops) and Coulomb
+/// (friction); for loops J v⁺ + r = 0. M, b and J are taken at (q, v), and q is not integrated. The contacts
+/// are rigid.
 ///
-/// For the normal row of a contact and for a stop, let u be its velocity before the step (negative during
-/// approach), `gap` its distance (negative in overlap), e its coefficient of restitution, and `threshold` the
-/// speed of approach below which nothing bounces (see Options). The row bounces if e > 0, u < -threshold and
-/// gap + h u ≤ 0; then r = e u. Otherwise r = max(gap/h, -5 threshold): the gap may close within the step,
-/// and an overlap is removed slowly. For a row of a loop, r is its position residual divided by h. For all
-/// other rows r is 0.
+/// For the normal row of a contact and for a stop, let u be the velocity of the row before the step (negative
+/// during approach), `gap` its distance (negative in overlap), e its coefficient of restitution, and
+/// `threshold` the speed of approach below which nothing bounces. The row bounces if e > 0, u < -threshold
+/// and gap + h u ≤ 0; then r = e u. Otherwise r = max(gap/h, -5 threshold): the gap may close within the
+/// step, and an overlap is removed slowly. For a row of a loop, r is its position residual divided by h. For
+/// all other rows r is 0.
 ///
-/// An object is the scratch memory of one thread and keeps the results of solve(). Impulses λ are in N s and
-/// N m s.
+/// An object is the scratch memory of one thread and keeps the results of solve().
 class ContactDynamics {
  public:
   struct Options {
@@ -42,13 +41,12 @@ class ContactDynamics {
   /// std::invalid_argument if `contact_rows` is not 3, 4 or 6.
   explicit ContactDynamics(const Model& model, int contact_rows = 3, std::size_t capacity = 64);
 
-  /// Computes the velocities v⁺ after a step of length h and the impulses λ at a state (q, v) with drive
-  /// forces tau. `start` has the impulses of all rows with which the solver starts, or is empty to start
-  /// from 0. Throws std::invalid_argument if an argument has another size or is not finite, if h is not
-  /// positive, if the speed of approach below which nothing bounces (options.threshold) is negative, or if
-  /// a contact has no unit normal, a negative friction, a restitution outside 0 to 1, or bodies that do
-  /// not exist or are equal. Allocates nothing if there are not more contacts than the capacity or than in
-  /// an earlier call.
+  /// Computes the velocities v⁺ after a step of length h and the impulses λ of the constraint rows, from a
+  /// state (q, v) with drive forces tau. The solver starts from the impulses in `start`, one for each row, or
+  /// from 0 if `start` is empty. Throws std::invalid_argument if an argument has a wrong size or is not
+  /// finite, if h is not positive, if options.threshold is negative, or if a contact has no unit normal, a
+  /// negative friction, a restitution outside 0 to 1, a stiffness, or bodies that do not exist or are equal.
+  /// Allocates nothing if there are not more contacts than the capacity or than in an earlier call.
   ContactStatus solve(std::span<const double> q, std::span<const double> v, std::span<const double> tau,
                       std::span<const Contact> contacts, const Options& options,
                       std::span<const double> start = {}, const Loads<>& loads = {});

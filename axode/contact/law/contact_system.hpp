@@ -52,12 +52,13 @@ struct DryJoint {
   double force = 0;  ///< largest friction force, N m or N
 };
 
-/// The constraint rows of all contacts, hard stops, joints with dry friction and closed loops of a mechanism
-/// at a configuration, and its mass matrix M = Lᵀ D L, factorised by articulated bodies. The blocks of rows
-/// are, in this order: contacts, with the rows n, t1, t2 for the velocity of the point of body b relative to
-/// that of body a, and then the relative angular velocity about n and about t1, t2; stops; joints with dry
-/// friction; loops. Row k of the Jacobian J gives column k of Y = D^-½ L⁻ᵀ Jᵀ, by one sweep along the paths
-/// of the two bodies to the ground (D11.4). An object is the scratch memory of one thread.
+/// The constraint rows of all contacts, hard stops, joints with dry friction and closed loops (in this order)
+/// of a mechanism at a configuration, and its mass matrix M = Lᵀ D L, factorised by articulated bodies. A
+/// contact of bodies a and b has rows for the velocity of b relative to a at the point of contact, along the
+/// normal n and the tangents t1 and t2, and, with drilling and rolling friction, for the angular velocity of
+/// b relative to a, along n, t1 and t2. The columns of Y = D^-½ L⁻ᵀ Jᵀ, with the Jacobian J of the rows, are
+/// computed by sweeps along the paths of bodies to the ground (D11.4). An object is the scratch memory of one
+/// thread.
 class ContactSystem {
  public:
   /// Reserves memory for the constraint rows of `capacity` contacts, and of all hard stops, joints with
@@ -94,22 +95,23 @@ class ContactSystem {
   /// poses were computed last, rad or m. It is 0 for constraints of velocities alone, such as rolling.
   void loop_openings(const double* q, double* openings) noexcept;
 
-  /// Factorises the mass matrix and makes all constraint rows at q. Of the hard stops only those nearer than
-  /// `stop_margin` (rad or m) get rows. Afterwards the rows of problem() are in physical units; finish() of
-  /// the problem then multiplies the friction rows by their coefficients of friction, so that the friction
-  /// cone of every contact is |λ_T| ≤ λ_N. The impulse of a joint with dry friction is bounded by its
-  /// friction force times the step h. `resistance` has an inertia for each velocity that is added to the mass
-  /// matrix, or is null. Allocates only if there are more contacts than the capacity.
+  /// Factorises the mass matrix and makes all constraint rows at q. Only hard stops that are nearer than
+  /// `stop_margin` (rad or m) get rows. The rows of problem() are in physical units until its function
+  /// finish() multiplies friction rows by their coefficients of friction; the friction cone of a contact is
+  /// then |λ_T| ≤ λ_N for the multipliers λ_N of the normal row and λ_T of the friction rows. The impulse of
+  /// a joint with dry friction is at most its friction force times the step h. `resistance` has an inertia
+  /// for each velocity that is added to the mass matrix, or is null. Allocates only if there are more
+  /// contacts than the capacity.
   Solvability set(const double* q, std::span<const Contact> contacts, double h,
                   double stop_margin = std::numeric_limits<double>::infinity(),
                   const double* resistance = nullptr);
 
   /// The problem to find the impulses λ of the constraint rows, such that λ and the velocities u = Yᵀ (w + Y
-  /// λ) + r of the rows obey the laws of contact, friction and loops. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of
-  /// the rows and the mass matrix Lᵀ D L. After set(), the caller writes r and w to the problem, and then
-  /// calls its function finish(). w is D^½ L v for the joint velocities v of the motion without impulses. r
-  /// has a number in m/s or rad/s for each row, for example e u⁻ for an impact with the coefficient of
-  /// restitution e and the velocity u⁻ before it, or the gap of a contact divided by the step.
+  /// λ) + r of the rows obey the laws of contact, friction and loops. set() makes Y = D^-½ L⁻ᵀ Jᵀ from the
+  /// Jacobian J of the rows and the mass matrix Lᵀ D L. Then the caller must write w and r to the problem and
+  /// call its function finish(), which scales the rows. w is D^½ L v for the joint velocities v of the motion
+  /// without impulses. r has a number in m/s or rad/s for each row, for example the gap of a contact divided
+  /// by the step, or e u⁻ for an impact with the coefficient of restitution e and the velocity u⁻ before it.
   VelocityProblem& problem() { return problem_; }
   const VelocityProblem& problem() const { return problem_; }
   std::span<const int> active_stops() const { return active_; }  ///< indices in stops()
@@ -159,11 +161,11 @@ class ContactSystem {
   /// articulated-body algorithm eliminates at them. The functions that add constraint rows between a and b
   /// use them.
   void find_path(int a, int b);
-  /// Writes the column of Y = D^-½ L⁻ᵀ Jᵀ for one row of J, with the mass matrix M = Lᵀ D L, by a backward
-  /// sweep along the paths of bodies a and b to the ground. find_path(a, b) must have been called before. The
-  /// row of J has the generalised forces of the wrench `on_b` on body b and of the wrench -`on_a` on body a,
-  /// plus the generalised forces x (nv numbers). Each wrench is in inertial axes, about the origin of the
-  /// root of its body.
+  /// Computes the column of Y = D^-½ L⁻ᵀ Jᵀ that belongs to one row of the Jacobian J, with the mass matrix
+  /// Lᵀ D L. The row has the generalised forces of the wrench `on_b` on body b and of the wrench -`on_a` on
+  /// body a, plus the generalised forces x (nv numbers). Each wrench is in inertial axes, about the origin of
+  /// the root of its body. A backward sweep passes the bodies on the paths of a and b to the ground, which
+  /// find_path(a, b) must have found before.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
   /// Appends a block of constraint rows with the Jacobian J, whose columns belong to the velocities in

@@ -42,12 +42,12 @@ void VelocitySolver::linearize_path() noexcept {
   t *= next_.sigma;
 }
 
-/// Steps along the path of solutions of contact problems whose compliance falls (D11.10a): moves from
-/// path_point_ by `length` along `direction`, and returns to the path by Newton steps that are perpendicular
-/// to it. If this leads to a point ahead on the path, moves path_point_ there, leaves its tangent in next_
-/// and returns true. In general `direction` is the tangent at path_point_. If the path has a kink just after
-/// this point, `direction` is the tangent after the kink, and `beyond_kink` is true: a point then lies ahead
-/// if the step goes forward along the tangent at the new point.
+/// Makes a step along the path of solutions of contact problems whose compliance falls (D11.10a): moves from
+/// path_point_ by `length` along `direction`, and returns to the path by Newton steps perpendicular to it. If
+/// this leads to a point ahead, without a sharp turn of the path, the function moves path_point_ there,
+/// writes its tangent to next_ and returns true. `direction` is the tangent at path_point_ or, if
+/// `beyond_kink` is set, the tangent after a kink of the path just after path_point_. A point is ahead if the
+/// step to it goes forward along `direction` or, if `beyond_kink` is set, along the tangent at the new point.
 bool VelocitySolver::step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept {
   constexpr int most = 8, patience = 3;
   x_ = path_point_.x + length * size_ * direction.x;

@@ -122,11 +122,11 @@ template <class F> void SparseFactor::each_adjacent(int cluster, const F& f) noe
     for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1) f(64 * w + std::countr_zero(bits));
 }
 
-/// Chooses the order in which clusters of matrix indices are eliminated. A cluster has the indices that
-/// occur in the same given groups, and two clusters are adjacent if the matrix, with its fill-in, has
-/// entries between them. The next cluster is always one with the least number of adjacent clusters that
-/// are not eliminated yet. For each cluster, bits of adjacent_ name these clusters at the time of its
-/// elimination.
+/// Chooses the order in which clusters of matrix indices are eliminated. A cluster has the indices that occur
+/// in the same given groups, and two clusters are adjacent if the matrix, with its fill-in, has entries
+/// between them. The next cluster is always one with the least number of adjacent clusters that are not
+/// eliminated yet. Afterwards the bits of adjacent_ for a cluster name the adjacent clusters that are
+/// eliminated after it.
 void SparseFactor::order_clusters() noexcept {
   words_ = clusters_ / 64 + 1;
   std::fill_n(adjacent_.begin(), clusters_ * words_, 0);
@@ -166,11 +166,11 @@ void SparseFactor::order_clusters() noexcept {
   }
 }
 
-/// Merges clusters, which are sets of columns with the same sparsity pattern, so that they can be eliminated
-/// together. When cluster c is eliminated, its columns also have entries in the rows of clusters that are
-/// eliminated later. Let d be the one of these clusters that is eliminated first. Cluster c is merged into d
-/// if, among the rows that are eliminated after d, the columns of c and of d have entries in the same ones,
-/// and if they are not more than most_columns columns in all.
+/// Merges clusters, which are sets of columns with the same sparsity pattern, so that they are eliminated
+/// together. When cluster c is eliminated, its columns have entries in the rows of clusters that are
+/// eliminated later; let d be the first of these. Cluster c is merged into d if no cluster has been merged
+/// into d yet, if the columns of c and of d have entries in the same rows after those of d, and if there are
+/// not more than most_columns columns in all.
 void SparseFactor::merge_clusters() noexcept {
   std::vector<int>& below = degree_;
   for (int c = 1; c < clusters_; ++c) {

@@ -6,11 +6,10 @@
 namespace axode {
 
 /// Factorises matrices A = 1 + Σ_g E_g A_g E_gᵀ, where E_g selects a set of indices: a group g adds a dense
-/// matrix A_g to the rows and columns of its indices. Indices that occur in the same groups form a cluster.
-/// Clusters are eliminated in an order of least degree. Consecutive clusters with the same rows below them
-/// form a node, whose columns are stored as one dense panel (a supernodal method). Hence the cost grows with
-/// the fill-in alone: linearly along a stack of bodies or with the branches of a tree. Rows are exchanged for
-/// pivots within a node only.
+/// matrix A_g to the rows and columns of its indices. Indices that occur in the same groups form a cluster,
+/// and clusters are eliminated in an order of least degree. Consecutive clusters with entries in the same
+/// rows below them form a node, whose columns are stored as one dense panel (a supernodal method). Rows are
+/// exchanged for pivots only within a node.
 ///
 /// The order of elimination depends on the groups alone and is kept while they remain the same. Indices that
 /// occur in no group have rows of the identity.

@@ -8,17 +8,17 @@ namespace axode {
 
 /// The problem to find the multipliers (impulses) λ of constraint rows with the Jacobian J, such that the
 /// velocities u = Yᵀ (w + Y λ) + r of the rows obey the laws of contact, friction and loops together with λ
-/// (D11.5). r are given terms, such as the velocities with which contacts bounce. A block consists of
-/// consecutive rows that obey one law together, such as the rows of one contact.
+/// (D11.5). r are given velocities, such as those with which contacts bounce. A block consists of consecutive
+/// rows that obey one law together, such as the rows of one contact.
 ///
-/// With the mass matrix M = Lᵀ D L, x = D^½ L v are the velocities in the metric of the masses: |x|² = vᵀ M
-/// v. w is x for the motion without impulses, and Y = D^-½ L⁻ᵀ Jᵀ has a column for each row of J. Of the
-/// columns of a block, only the entries for a given set of velocities are stored, the support of the block;
-/// all other entries are 0.
+/// With the mass matrix M = Lᵀ D L and joint velocities v, x = D^½ L v are velocities in the metric of the
+/// masses: |x|² = vᵀ M v. w is x for the motion without impulses, and Y = D^-½ L⁻ᵀ Jᵀ has a column for each
+/// row of J. The support of a block is a given set of velocities. Only the entries of the block's columns of
+/// Y for these velocities are stored; all others are 0.
 ///
 /// The caller gives rows in physical units together with a factor c for each row, which is the coefficient of
-/// friction for friction rows and 1 for all others. When the problem is completed, the rows are multiplied by
-/// c; they are called scaled rows from then on. A multiplier λ of a scaled row stands for the impulse c λ.
+/// friction for friction rows and 1 for all others. finish() multiplies the rows by c; they are then called
+/// scaled rows. A multiplier λ of a scaled row means the impulse c λ.
 class VelocityProblem {
  public:
   using Vector = Eigen::VectorXd;
@@ -40,25 +40,24 @@ class VelocityProblem {
   /// velocity to those of the mechanism (D11.26).
   void clear(int compliances = 0);
   /// Appends a block of constraint rows with the Jacobian J to the problem. `support` has the velocities that
-  /// the block moves, in ascending order; if `compliant`, the last of them is the additional unknown of a
+  /// the block moves, in ascending order; if `compliant`, the last of these is the additional unknown of a
   /// compliant contact. Returns the memory for the block's part of Y = D^-½ L⁻ᵀ Jᵀ, where Lᵀ D L is the mass
   /// matrix: a column for each row of the block, with a number for each velocity in `support`. The caller
-  /// must write the numbers of Y before the next call, and may set two numbers of each row before finish():
-  /// r, 0 by default, is added to the velocity of the row; c, 1 by default, is the number by which finish()
-  /// multiplies the row, the coefficient of friction for a friction row of a contact. Allocates if more
-  /// memory is needed than was reserved.
+  /// must write this memory before the next call. Before finish() it may set two numbers of each row: r (0 by
+  /// default) is added to the velocity of the row, and finish() multiplies the row by c (1 by default), the
+  /// coefficient of friction of a friction row. Allocates if more memory is needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
   /// Sets the compliance C of a block with a compliant contact, after finish(): the law of its normal row
   /// then holds for u + C λ instead of the velocity u.
   void set_compliance(const Block& block, double C) noexcept;
   double compliance(const Block& block) const noexcept;
-  /// Completes the problem. Multiplies the constraint rows by their factors c, which are coefficients of
-  /// friction or 1. Computes the scale d² of each row from the diagonal of the Delassus operator Yᵀ Y = J M⁻¹
-  /// Jᵀ (D11.6), with the Jacobian J of the rows and the mass matrix M: in general the entry of the row, but
-  /// all rows of a contact have the entry of the normal row or half of the largest entry, whichever is
-  /// larger. If the normal impulse of a contact is given, adds the motion by this impulse to w, the motion
-  /// without impulses.
+  /// Completes the problem. Multiplies each constraint row by its factor c, which is a coefficient of
+  /// friction or 1. Then computes the scale d² of each row from the diagonal of Yᵀ Y = J M⁻¹ Jᵀ (D11.6), with
+  /// the Jacobian J of the rows and the mass matrix M. d² is the entry of the row; all rows of a contact have
+  /// the entry of the normal row or half of the largest entry of the contact, whichever is larger. Sets rows
+  /// of loops that move nothing to 0, see moves(). If the normal impulse of a contact is given, adds the
+  /// motion by this impulse to w, the motion without impulses.
   void finish() noexcept;
   /// Writes the normal impulses that were given for some contacts (ContactLaw::pressed) into the multipliers
   /// `lambda` of a solution, in which they are 0.
@@ -81,11 +80,11 @@ class VelocityProblem {
                                                                          b.rows);
   }
   const std::vector<double>& squared_scales() const { return d2_; }
-  /// Whether an impulse of a constraint row changes the motion; it is known once the problem is complete. It
-  /// is false only for a row of a loop whose Jacobian is 0 up to rounding, because joints of the tree satisfy
-  /// the constraint in any motion. In the velocities u = Yᵀ (w + Y λ) + r of the rows, finish() sets the
-  /// column of Y and the number r of such a row to 0. A caller that changes r or the Jacobian of rows
-  /// afterwards must leave them 0 for this row.
+  /// Whether an impulse of a constraint row changes the motion; it is known after finish(). It is false only
+  /// for a row of a loop whose Jacobian is 0 up to rounding, because joints of the tree satisfy the
+  /// constraint in any motion. finish() sets the column of Y and the number r of such a row to 0, in the
+  /// velocities u = Yᵀ (w + Y λ) + r of the rows. A caller that changes Y or r afterwards must leave both 0
+  /// for this row.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.
@@ -113,18 +112,17 @@ class VelocityProblem {
 /// The certificate of multipliers λ of constraint rows: the error of the laws of contact relative to the
 /// motion, 0 if the laws hold (D11.7). It is |d (λ - resolve(λ - u/d²))| / (|w| + |Y λ|), where `resolve`
 /// maps a trial impulse to the impulse that the law allows, and u = Yᵀ (w + Y λ) + r are the velocities of
-/// the rows with the impulses λ. w stands for the motion without impulses and Y λ for the motion that the
-/// impulses add, both as D^½ L v for joint velocities v and the mass matrix M = Lᵀ D L. Y is D^-½ L⁻ᵀ Jᵀ for
-/// the Jacobian J of the rows. d is a number for each row with d² near the diagonal entry of Yᵀ Y: u/d² is
-/// then an impulse, and d times an impulse has the unit of Y λ. Rounding errors make the certificate 1e-12;
-/// it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
+/// the rows. w is D^½ L v for the joint velocities v without impulses and the mass matrix Lᵀ D L, Y λ is the
+/// part that the impulses add, and Y = D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows. d² is about the diagonal
+/// entry of Yᵀ Y for a row, so that u/d² is an impulse and d λ has the unit of w. The certificate is NaN if a
+/// number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
 /// Computes the certificate |d ρ| / (|w| + |t|) of multipliers λ of constraint rows: the error of the laws of
 /// contact relative to the motion (D11.7). `residual` has ρ = λ - resolve(λ - u/d²) for each row, where u are
 /// the velocities of the rows for λ, and `resolve` maps a trial impulse to the impulse that the law allows. w
-/// is the motion without impulses, and t = Y λ (nv() numbers) the motion that the impulses add, both as D^½ L
-/// v for joint velocities v and the mass matrix M = Lᵀ D L. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows,
-/// and d² is about the diagonal entry of Yᵀ Y for a row.
+/// is D^½ L v for the joint velocities v without impulses and the mass matrix Lᵀ D L, and t = Y λ (nv()
+/// numbers) is the part that the impulses add. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows, and d² is
+/// about the diagonal entry of Yᵀ Y for a row.
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

@@ -140,10 +140,10 @@ double VelocitySolver::certify(const double* lambda) noexcept {
 }
 
 /// Computes the residual ρ = λ - resolve(λ_0 - u/R) of a proximal step at multipliers λ: λ_0 are the
-/// multipliers at the start of the step, u the velocities of the rows for λ, and R a factor for each row.
-/// `resolve` maps a trial impulse to the impulse that the law of contact allows. Writes its result to
-/// resolved_ and ρ to residual_. Returns the norm √(Σ d² ρ²), where d² is about the diagonal entry of the
-/// Delassus operator for a row.
+/// multipliers at the start of the step, u the velocities of the constraint rows for λ, and R a factor for
+/// each row. `resolve` maps a trial impulse to the impulse that the law of contact allows. Writes resolve(λ_0
+/// - u/R) to resolved_ and ρ to residual_. Returns √(Σ d² ρ²), where d² is about the diagonal entry of J M⁻¹
+/// Jᵀ for a row, with the Jacobian J of the rows and the mass matrix M.
 double VelocitySolver::multiplier_residual(const Vector& lambda) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);

@@ -15,20 +15,20 @@ struct [[nodiscard]] VelocitySolution {
   bool holds(double tolerance) const { return certificate <= tolerance; }
 };
 
-/// Solves a VelocityProblem: finds multipliers λ which obey the laws λ = resolve(λ - u/d²) with the
-/// velocities u of the constraint rows. `resolve` maps a trial impulse to the impulse that the law allows,
-/// and d² is about the diagonal entry of the Delassus operator for a row. The solver makes proximal steps:
-/// from multipliers λ_0, a step solves λ = resolve(λ_0 - u/R) by Newton's method, with a factor R that makes
-/// the solution unique (D11.8). Near the solution, Newton's method is applied to the laws themselves (D11.9).
-/// If the relative error of the laws, the certificate, stays above 1e-9, the solver starts again: from 0,
-/// from the results of alternating directions (D11.10), from solutions of easier problems with compliant
-/// contacts (D11.10a), and from disturbed multipliers. The result is the multipliers with the least
-/// certificate, and this certificate.
+/// Solves a VelocityProblem: finds multipliers λ of constraint rows with λ = resolve(λ - u/d²), where u are
+/// the velocities of the rows for λ, `resolve` maps a trial impulse to the impulse that the law of contact
+/// allows, and d² is about the diagonal entry of J M⁻¹ Jᵀ for a row, with the Jacobian J of the rows and the
+/// mass matrix M. The solver makes proximal steps: from multipliers λ_0, a step solves λ = resolve(λ_0 - u/R)
+/// by Newton's method, with a factor R for each row (D11.8). Near the solution, Newton's method is applied to
+/// the laws themselves (D11.9). If the relative error of the laws, the certificate, stays above 1e-9, the
+/// solver starts again: from 0, from the results of alternating directions (D11.10), from solutions of easier
+/// problems with compliant contacts (D11.10a), and from disturbed multipliers. The result is the multipliers
+/// with the least certificate.
 ///
-/// The unknowns of Newton's method are velocities or multipliers, whichever takes fewer operations. If they
-/// are velocities, its matrices are sparse, because a contact couples only the velocities that move its two
-/// bodies. These matrices are factorised in an order of least degree, see SparseFactor, by Cholesky's method
-/// while no contact slides. If the unknowns are multipliers, the matrices are dense and take O(rows³).
+/// The unknowns of Newton's method are velocities or multipliers, whichever takes fewer operations. Matrices
+/// for velocities are sparse, because a contact couples only the velocities that move its two bodies. They
+/// are factorised in an order of least degree, by Cholesky's method while no contact slides. Matrices for
+/// multipliers are dense and take O(rows³).
 class VelocitySolver {
  public:
   /// Allocates memory for problems with up to nv velocities and up to `rows` rows.
@@ -38,13 +38,12 @@ class VelocitySolver {
   /// If it returns false, the search ends. May be empty.
   using Monitor = std::function<bool()>;
 
-  /// Improves the multipliers `lambda` of the constraint rows, one number for each row, from their given
-  /// values until the certificate, the relative error of the laws, is at most `tolerance`, or until rounding
-  /// prevents progress. The rows are the scaled rows of the problem: friction rows are multiplied by the
-  /// coefficients of friction. If the certificate is then above 1e-9, whatever the tolerance is, the solver
-  /// starts again from other multipliers; a certificate between the tolerance and 1e-9 causes no new start.
-  /// Meanwhile it calls `monitor` repeatedly, unless this is empty, and ends if `monitor` returns false.
-  /// Memory must have been reserved. Allocates nothing, and throws only what `monitor` throws.
+  /// Improves the multipliers `lambda` of the constraint rows from their given values, until the certificate
+  /// (the relative error of the laws) is at most `tolerance` or the iteration stalls. `lambda` has a number
+  /// for each scaled row: friction rows are multiplied by their coefficients of friction. If the certificate
+  /// is then above 1e-9, the solver starts again from other multipliers. It calls `monitor`, unless this is
+  /// empty, before each new start and repeatedly while it looks for starts, and ends if `monitor` returns
+  /// false. reserve() must have been called before. Allocates nothing, and throws only what `monitor` throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
@@ -73,33 +72,32 @@ class VelocitySolver {
   bool searches();
   /// Runs Newton's method from start_, and keeps the result if its error of the laws is the least so far.
   void improve(double tolerance, const NewtonOptions& options) noexcept;
-  /// Makes a proximal step: from the multipliers λ_0 in lambda_0_, solves λ = resolve(λ_0 - u/R) by Newton's
-  /// method (D11.8), until the norm of the residual is at most `goal`. u are the velocities of the rows for
-  /// λ, R is a factor for each row, and `resolve` maps a trial impulse to the impulse that the law of contact
-  /// allows. Writes λ to resolved_ and the number of Newton steps to `iterations`, and returns the norm of
-  /// the residual.
+  /// Makes a proximal step from the multipliers λ_0 in lambda_0_: solves λ = resolve(λ_0 - u/R) by Newton's
+  /// method (D11.8), where u are the velocities of the constraint rows for λ, R is a factor for each row, and
+  /// `resolve` maps a trial impulse to the impulse that the law of contact allows. Ends when the norm of the
+  /// residual is at most `goal` or does not decrease, or after 10 Newton steps. Writes λ to resolved_ and the
+  /// number of Newton steps to `iterations`, and returns the norm of the residual.
   double proximal_step(double goal, int& iterations) noexcept;
   double multiplier_residual(const Vector& lambda) noexcept;
   double velocity_residual(const Vector& x, Vector& f) noexcept;
   template <class Residual>
   bool search(const Vector& from, const Vector& direction, Vector& to, double& norm,
               const Residual& residual) noexcept;
-  /// Improves the multipliers λ by Newton's method for the laws of contact λ = resolve(λ - u/d²), where u are
-  /// the velocities of the rows for λ, and `resolve` maps a trial impulse to the impulse that the law allows
-  /// (D11.9). d² is about the diagonal entry of J M⁻¹ Jᵀ for a row, with the Jacobian J of the rows and the
-  /// mass matrix M. Returns the certificate |d (λ - resolve(λ - u/d²))| / (|w| + |Y λ|) of λ, the error of
-  /// the laws relative to the motion w without impulses and the motion Y λ by the impulses. The iteration
-  /// ends at the tolerance, or after more than `patience` steps that do not halve the least certificate.
+  /// Improves the multipliers λ of the constraint rows by Newton's method for the laws of contact λ =
+  /// resolve(λ - u/d²) (D11.9), where u are the velocities of the rows for λ, `resolve` maps a trial impulse
+  /// to the impulse that the law allows, and d² is about the diagonal entry of J M⁻¹ Jᵀ for a row, with the
+  /// Jacobian J of the rows and the mass matrix M. Ends when the certificate, the relative error of the laws,
+  /// is at most `tolerance`, after more than `patience` steps that do not halve its least value, or after 8 +
+  /// 2 patience steps. Returns the least certificate; `lambda` receives λ.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
-  /// Makes, for each block of constraint rows (such as the rows of one contact), the matrix B of Newton's
-  /// method: if the velocities of the block change by δu, the linearised law changes its impulses by -B δu. Z
-  /// is the derivative, at the trial impulse z_, of the map `resolve` from a trial impulse to the impulse
-  /// that the law of contact allows. R is a factor by which velocities u of rows are divided to become
-  /// impulses. For a proximal step, λ = resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and B = Z/R. For
-  /// the laws themselves, λ = resolve(λ - u/R), B = (1 - (1 - kept) Z)⁻¹ Z/R with a small number `kept` > 0,
-  /// without which the inverse does not exist if the block sticks, because then Z = 1 (D11.9). Returns
-  /// whether the matrices of all blocks are symmetric.
+  /// Makes the matrix B of Newton's method for each block of constraint rows (such as the rows of one
+  /// contact): if the velocities u of the block change by δu, the linearised law changes its impulses λ by -B
+  /// δu. Z is the derivative, at the trial impulse z_, of the map `resolve` from a trial impulse to the
+  /// impulse that the law of contact allows, and R is a factor for each row. For a proximal step, λ =
+  /// resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and B = Z/R. For the laws themselves, λ = resolve(λ -
+  /// u/R), B is (1 - (1 - kept) Z)⁻¹ Z/R with a small number `kept` > 0, so that the inverse exists if the
+  /// block sticks and Z = 1 (D11.9). Returns whether the matrices of all blocks are symmetric.
   bool make_matrices(double kept) noexcept;
   /// Factorises the matrix 1 + Y B Yᵀ of Newton's method in velocities. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J
   /// of the constraint rows and the mass matrix Lᵀ D L. B is block diagonal, with the matrices of
@@ -107,13 +105,13 @@ class VelocitySolver {
   /// changes their impulses by -B δu. `symmetric` says whether all blocks of B are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
-  /// Factorises the matrix of Newton's method whose unknowns are the multipliers λ. Z is the derivative of
-  /// the map `resolve` from a trial impulse to the impulse that the law of contact allows. u are the
-  /// velocities of the constraint rows, R is a factor by which they are divided to become impulses, and Yᵀ Y
-  /// = J M⁻¹ Jᵀ is the Delassus operator, with the Jacobian J of the rows and the mass matrix M. For a
-  /// proximal step, λ = resolve(λ_0 - u/R) with constant λ_0, `kept` is 0 and the matrix is 1 + Z R⁻¹ Yᵀ Y.
-  /// For the laws themselves, λ = resolve(λ - u/R), it is 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with a small number
-  /// `kept` > 0, which makes it regular if contacts are redundant (D11.9).
+  /// Factorises the matrix of Newton's method whose unknowns are the multipliers λ of the constraint rows. Z
+  /// is the derivative of the map `resolve` from a trial impulse to the impulse that the law of contact
+  /// allows, u are the velocities of the rows, R is a factor for each row, and Yᵀ Y = J M⁻¹ Jᵀ with the
+  /// Jacobian J of the rows and the mass matrix M. For a proximal step, λ = resolve(λ_0 - u/R) with constant
+  /// λ_0, `kept` is 0 and the matrix is 1 + Z R⁻¹ Yᵀ Y. For the laws themselves, λ = resolve(λ - u/R), it is
+  /// 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with a small number `kept` > 0, which makes the matrix regular if contacts
+  /// are redundant (D11.9).
   void factorize_multipliers(double kept) noexcept;
   /// Computes a := B a, where B is block diagonal and has the matrices of make_matrices() as blocks.
   void multiply_blocks(Vector& a) const noexcept;
@@ -121,11 +119,10 @@ class VelocitySolver {
   /// Runs the alternating direction method of multipliers (D11.10) from λ = 0, and writes the multipliers
   /// with the least certificate (the relative error of the laws) to `lambda`. Each iteration maps the trial
   /// impulses of every block of constraint rows (such as the rows of one contact) to impulses that the law of
-  /// the block allows. If `on_laws`, this map is resolve(): impulses λ and velocities u obey the exact law if
-  /// and only if λ = resolve(λ - u/R), for any R > 0. Otherwise it is the projection on the friction cone,
-  /// and the tangential speed times the coefficient of friction is added to the normal velocity of each
-  /// contact (De Saxcé's form of the law). The factor is contained in u, because friction rows are multiplied
-  /// by their coefficients.
+  /// the block allows. If `on_laws`, this map is resolve(), with which λ and the velocities u of the rows
+  /// obey the exact law if and only if λ = resolve(λ - u/R), for any R > 0. Otherwise it is the projection on
+  /// the friction cone, and the norm of the velocities of the friction rows, times their coefficients, is
+  /// added to the normal velocity of each contact (De Saxcé's form of the law).
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;
   double largest_eigenvalue() noexcept;
@@ -140,13 +137,13 @@ class VelocitySolver {
   double path_residual(double sigma) noexcept;
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
-  /// Finds starts for Newton's method from contact problems that are easier because contacts have a
-  /// compliance R: λ = resolve(λ_0 - u/R) with constant multipliers λ_0 (D11.10a), given in y_. u are the
-  /// velocities of the rows, and `resolve` maps a trial impulse to the impulse that the law allows. R is
-  /// exp(σ) d² with a number σ for all rows and d² about the diagonal entry of the Delassus operator for a
-  /// row. The solutions for all σ form a path. Follows it from R = 100 d², at which the solution is near
-  /// resolve(λ_0), while σ falls, and runs Newton's method for contacts without compliance from points of the
-  /// path.
+  /// Finds starts for Newton's method from easier contact problems, in which contacts have a compliance R: λ
+  /// = resolve(λ_0 - u/R) with the constant multipliers λ_0 in y_ (D11.10a). u are the velocities of the
+  /// constraint rows, and `resolve` maps a trial impulse to the impulse that the law allows. R is exp(σ) d²
+  /// with one number σ for all rows, where d² is about the diagonal entry of J M⁻¹ Jᵀ for a row, with the
+  /// Jacobian J of the rows and the mass matrix M. The solutions for all σ form a path. The function follows
+  /// it from R = 100 d², where the solution is near resolve(λ_0), towards smaller σ, and runs Newton's method
+  /// for contacts without compliance from points of the path.
   void follow_path(double tolerance);
 
   /// The largest certificate at which no further start is made.
