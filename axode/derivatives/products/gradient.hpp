@@ -5,10 +5,10 @@ namespace axode {
 
 /// Computes the gradient of λ·τ, for the forces τ of inverse dynamics and constant weights λ, with respect to
 /// (q, v, a), by the adjoint of the recursive Newton-Euler algorithm ((D1.21) to (D1.23) of
-/// docs/derivations). The forward sweep computes, besides the twist of each body, the twist Λ that the body
-/// would have if the joints moved with the weights λ as velocities. The backward sweep sums wrenches over
-/// subtrees, whose powers along the joint screws are the entries of the gradient. It takes about 380 products
-/// and sums for a hinge.
+/// docs/derivations). The forward sweep computes the twist of each body, and the twist Λ that the body would
+/// have if the joints moved with the weights λ as velocities. The backward sweep sums wrenches over subtrees;
+/// projected on the joint screws, they give the entries of the gradient. The function takes about 380
+/// products and sums for a hinge.
 template <class G, class T> struct InverseDynamicsGradient {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
@@ -93,12 +93,10 @@ template <class G, class T> struct InverseDynamicsGradient {
     }
   }
 
-  /// Takes a load into account, the wrench W that is applied to body i. It must be called after forward() and
-  /// before backward(). It subtracts W from the wrench that the body needs for its motion, and the argument
-  /// `n` from (n_m; n_f), the part of the gradient of λ·τ that is due to changes of loads when bodies are
-  /// displaced. The argument `n` is the gradient of the power W | Λ with respect to a displacement of the
-  /// body, by which W changes but not Λ (D1.21). Λ is the twist that the body would have if the joints moved
-  /// with the weights λ of λ·τ as velocities.
+  /// Adds a load, the wrench W on body i, to the inverse dynamics whose gradient is computed. It must be
+  /// called after forward() and before backward(). `n` is the gradient of the power W | Λ with respect to a
+  /// displacement of the body, by which W changes but not Λ (D1.21). Λ is the twist that the body would have
+  /// if the joints moved with the weights λ of λ·τ as velocities.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);

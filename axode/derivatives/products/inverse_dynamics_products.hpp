@@ -83,11 +83,11 @@ template <class T> struct InverseDynamicsVjp {
     gradient.backward(tree, v, a, lambda, by_q, by_v, by_a);
   }
 
-  /// Calls f(i, u, derivative) for all geometric parameters: body i and index u of a unit screw U. The
-  /// parameter π displaces the body and its joint along U: C_i = C_p B_i exp(U π) exp(X_i q_i) with the
-  /// pose C_p of the predecessor, the pose B_i relative to it at q_i = 0, and the joint screws X_i.
-  /// `derivative` is the derivative by π of λ·τ, the sum of the forces τ of inverse dynamics with weights
-  /// λ. run() must have computed the gradient of λ·τ by q, v and a before.
+  /// Calls f(i, u, derivative) for all geometric parameters π: the body i, the index u of a unit screw U, and
+  /// the derivative by π of λ·τ, for the forces τ of inverse dynamics and constant weights λ. The parameter
+  /// displaces body i and its joint along U: C_i = C_p B_i exp(U π) exp(X_i q_i) with the pose C_p of the
+  /// predecessor, the pose B_i relative to the predecessor at q_i = 0, and the joint screws X_i. run() must
+  /// have computed the gradient of λ·τ before.
   template <class F>
   void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
                       const F& f) const noexcept {

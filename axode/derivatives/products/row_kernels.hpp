@@ -11,12 +11,12 @@
 /// for tapes (recorded operations from which code is generated). run(tree, x, out) reads the inputs x and
 /// writes the results one after the other. Loads and losses are ignored.
 ///
-/// The template parameter By is the algorithm for accelerations, on the scalar By::T:
-///   accelerate(tree, q, v, tau, a) a = M⁻¹ (τ - h); prepares for the functions below
+/// The template parameter By is the algorithm for accelerations, on the scalar By::T, with the mass matrix M
+/// and the bias forces h:
+///   accelerate(tree, q, v, tau, a) a = M⁻¹ (τ - h); must be called before the other functions
 ///   solve_one(tree, x)             x := M⁻¹ x
-///   solve(tree, X)                 X := M⁻¹ X for a matrix of nv columns, row by row
+///   solve(tree, X)                 X := M⁻¹ X for an nv × nv matrix that is stored row by row
 ///   inverse(tree, X)               X := M⁻¹
-/// where M is the mass matrix and h are the bias forces.
 namespace axode::catalog {
 
 template <Id id, class By> struct RowKernel;
