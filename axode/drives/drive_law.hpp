@@ -29,12 +29,12 @@ template <class T> struct DriveResponse {
   T supplied{}, lost{};  ///< powers P_in and P_loss, W
 };
 
-/// The law of a drive: the rates of its states, its force, energy and powers as functions of a DrivePoint,
-/// which has the time, the input and the states of the drive, and the coordinate along which it acts with its
-/// rate. This coordinate is a sum of joint coordinates with factors, or the length of a straight line between
-/// points of two bodies. The functions are smooth while the statuses are constant. A status is a small
-/// integer that selects a branch of the law, such as the sign of a velocity or whether a limit is reached.
-/// Several threads may call all member functions at once.
+/// The law of a drive. It gives the rates of the states of the drive, its force, its energy and its powers as
+/// functions of time, of the input and the states of the drive, of the coordinate along which the drive acts,
+/// and of the rate of this coordinate. This coordinate is a sum of joint coordinates with factors, or the
+/// length of a straight line between points of two bodies. A status is a small integer that selects a branch
+/// of the law, such as the sign of a velocity or whether a limit is reached; the functions are smooth while
+/// all statuses are constant. Several threads may call all member functions at once.
 class DriveLaw {
  public:
   using Dual = axode::Dual<double, 1>;

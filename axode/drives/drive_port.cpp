@@ -47,11 +47,10 @@ void DrivePort::update(const Tree<double>& tree, std::span<const double> q, std:
 }
 
 /// Adds `factor` times the derivatives by q of the row vector E in l' = E v to `out`, where l = |r| is the
-/// length of a line with the vector r between its ends. Entry k of E is differentiated along the
-/// left-trivialised direction of each velocity j. With u = r/|r|, this entry is u·r_k if a unit of velocity k
-/// changes r by r_k. Such a unit also turns the body at the end that it moves, by w_k. If velocities j and k
-/// move the same end, r_k changes along the direction of j by w_j × r_k or, if the joint of j is farther from
-/// the ground than that of k, by w_k × r_j; otherwise r_k is constant.
+/// length of a line with the vector r between its ends, and u = r/|r|. Entry k of E is u·r_k if a unit of
+/// velocity k changes r by r_k and turns the body at the end that it moves by w_k. The derivative is along
+/// the left-trivialised direction of each velocity j. If j and k move the same end, r_k changes by w_j × r_k
+/// or, if the joint of j is farther from the ground than that of k, by w_k × r_j; otherwise r_k is constant.
 void DrivePort::add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                                     std::span<double> out) {
   if (!along_line_) return;

@@ -47,11 +47,10 @@ class DrivePort {
   bool along_line_ = false;
   double l_ = 0, w_ = 0;
   std::vector<std::pair<int, double>> row_;
-  /// If the port is a line between two points: a pair for each entry of row(). An entry belongs to one
-  /// velocity of a joint that moves only one end of the line. Joints that move both ends do not change the
-  /// length and have no entries; coupled joints have entries of their own. A pair has the number (0 or 1) of
-  /// the end that the joint moves, and the velocity of this end for a unit of this velocity, in the axes of
-  /// the body at this end.
+  /// If the port is a line between two points, this has a pair for each entry of row(): the number (0 or 1)
+  /// of the end of the line that a joint velocity moves, and the velocity of this end for a unit of the joint
+  /// velocity, in the axes of the body at this end. Joints that move both ends do not change the length and
+  /// have no entries; coupled joints have entries of their own.
   std::vector<std::pair<std::size_t, Vec3<>>> columns_;
   /// The motion of one end of a line between two points for a unit of velocity c, for add_row_derivatives().
   /// `end` (0 or 1) is the end that moves, and `body` the body whose joint has velocity c. w is the angular

@@ -26,12 +26,12 @@ struct MotorMotion {
 
 /// Feed-forward for elastic drives, by flatness: the motion of the links, with its derivatives up to the
 /// fourth, determines the motors. A motor with the inertia I, the position θ and the force u drives a joint
-/// with q, v and a through an undamped spring of stiffness k. With the spring force Q and its time
-/// derivatives,
+/// with the position q, velocity v and acceleration a through an undamped spring of stiffness k. With the
+/// spring force Q and its time derivatives,
 ///   k (θ - q) = Q,  I θ'' + Q = u   ⟹   θ = q + Q/k,  θ' = v + Q'/k,  u = Q + I (a + Q''/k)        (D17.18)
-/// Q is the drive force by inverse dynamics without the motors' inertias I; armatures of the model count as
-/// inertia of the links. If the motors start with θ and θ' and have the force u, the links follow the motion
-/// without error.
+/// Q is the drive force by inverse dynamics without the inertias I; armatures of the model count as inertia
+/// of the links. If the motors start with θ and θ' and have the force u, the links follow the motion without
+/// error.
 class ElasticFeedForward {
  public:
   /// Takes a drive for each velocity (nv); those of passive joints are ignored. Throws std::invalid_argument
@@ -47,11 +47,11 @@ class ElasticFeedForward {
   void evaluate(std::span<const double> q, std::span<const double> rates, MotorMotion& motors,
                 const Loads<double>& loads = {});
   /// Computes positions, velocities and forces of the motors of a parallel manipulator from a configuration q
-  /// with closed loops and `rates`: four rows V, V', V'' and V''', each with one number for every task
-  /// velocity of `space`. If the returned verdict is not ok(), the entries of all drives are NaN. Allocates;
-  /// O(m) for m limbs, the chains that carry the platform. Throws std::invalid_argument for wrong sizes,
-  /// results that overlap arguments, and a `space` whose model has another number of velocities than the
-  /// model of this object.
+  /// with closed loops and `rates`: the task velocities V of `space` and their derivatives V', V'' and V''',
+  /// one after the other. If the returned verdict is not ok(), the entries of all drives are NaN. Allocates;
+  /// O(m) for m limbs, the chains that carry the platform. Throws std::invalid_argument for wrong sizes, for
+  /// results that overlap arguments, and if the models of `space` and of this object have different numbers
+  /// of velocities.
   [[nodiscard]] TaskVerdict evaluate(TaskSpace& space, std::span<const double> q,
                                      std::span<const double> rates, MotorMotion& motors,
                                      const Loads<double>& loads = {});

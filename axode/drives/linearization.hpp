@@ -17,10 +17,11 @@ struct DriveLinearization {
   Solvability solvability;
 };
 
-/// Linearises the equations of motion at a time t (s) and state (q, v, x), with the states x of the drives
-/// (D17.4). The forms of the drives' laws, such as whether a limit is reached, are chosen for this state and
-/// kept. Springs, dampers and stops of the model and the loads act; units are SI. Allocates; O(nv³ + nv² nx +
-/// nx²) for nx states of drives. If the status is not ok(), the matrices contain NaN. Throws
+/// Linearises the equations of motion of a mechanism with drives at a time t (s) and a state (q, v, x), with
+/// the states x of the drives (D17.4). The branch of each drive's law, such as whether a limit is reached, is
+/// chosen at this state and held constant. Springs, dampers and stops of the model and the loads act; units
+/// are SI. If `solvability` of the result is not ok(), for example because the mass matrix is singular, the
+/// matrices contain NaN. Allocates; O(nv³ + nv² nx + nx²) for nx states of drives. Throws
 /// std::invalid_argument for wrong sizes, numbers that are not finite, and mechanisms with loops or
 /// prescribed motions.
 DriveLinearization linearize_with_drives(const Model& model, DriveSystem& drives, double t,
@@ -35,12 +36,13 @@ struct DriveEquilibrium {
   Solvability solvability;
 };
 
-/// Finds a state of rest near the configuration q and the drive states x, for the inputs at time t, by
-/// Newton's method with exact derivatives. If the equations are singular, as with oil trapped in a cylinder
-/// or with an integrator, each step is the one of least norm. The forms of the drives' laws, such as whether
-/// a limit is reached, are chosen anew for each iterate. Springs of the model act. If the residual stays
-/// above 1e-9, `found` is false and the best iterate is returned. Allocates. Throws std::invalid_argument for
-/// wrong sizes, numbers that are not finite, and mechanisms with loops or prescribed motions.
+/// Finds a state of rest of a mechanism with drives, near the configuration q and the drive states x, for the
+/// inputs at time t, by Newton's method with exact derivatives. If the linearised equations are singular, as
+/// with oil trapped in a cylinder or with an integrator, each step is the one of least norm. The branch of
+/// each drive's law, such as whether a limit is reached, is chosen anew for each iterate. Springs of the
+/// model act. If the residual (see DriveEquilibrium) stays above 1e-9, `found` is false and the best iterate
+/// is returned. Allocates. Throws std::invalid_argument for wrong sizes, numbers that are not finite, and
+/// mechanisms with loops or prescribed motions.
 DriveEquilibrium equilibrium_with_drives(const Model& model, DriveSystem& drives, double t,
                                          std::span<const double> q, std::span<const double> x);
 
