@@ -55,8 +55,8 @@ class Instance {
   /// Whether the FMU must go to event mode after the completed step. This is so if a drive must change to
   /// another branch of its law (for example because a current reaches its limit), if a joint with dry
   /// friction or gear losses must begin to stick or to slide, if a play (backlash of a coupling) or a hard
-  /// stop must open or close, if loops are open by more than a tolerance, or if a quaternion deviates from
-  /// unit norm by more than a tolerance.
+  /// stop must open or close, or if closing the loops and normalising the quaternions would change a
+  /// coordinate or a velocity by more than a tolerance.
   bool needs_event();
   struct Event {
     bool states_changed = false;

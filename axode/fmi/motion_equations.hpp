@@ -42,10 +42,10 @@ struct Rates {
 /// The equations of motion of a mechanism, with loops, prescribed motions, springs, drives and losses of
 /// joints, as ordinary differential equations in (q, v, x) with the states x of drives. Joints with dry
 /// friction stick or slide in one direction until switch_friction() is called. Plays (backlash of couplings)
-/// and hard stops are free or at an end until switch_plays() is called. Quaternions in q are normalised first
-/// in every function, so that their norm is constant along solutions. A mechanism with loops has the states
-/// of its spanning tree; the accelerations keep the rates A v of the loop equations constant, with their
-/// Jacobian A, and accumulated residuals are removed by close().
+/// and hard stops are free or at an end until switch_plays() is called. All functions first normalise the
+/// quaternions in q. A mechanism with loops has the states of its spanning tree. The accelerations satisfy
+/// the second time derivative of the loop equations; deviations of q and v from closed loops, which
+/// accumulate in an integration, are removed by close().
 class MotionEquations {
  public:
   using Span = std::span<const double>;
@@ -62,11 +62,11 @@ class MotionEquations {
     friction_ = friction;
   }
 
-  /// Corrects a state at the start: normalises quaternions, closes loops and follows prescribed motions at
-  /// the time in `at`, by changes of q and v. Then determines the discrete state: which branch of its law
-  /// each drive is in, and which joints stick or slide. Throws std::runtime_error if the loops cannot be
-  /// closed. Throws NoRates if q cannot be normalised, or if there are joints with dry friction or gear
-  /// losses and the accelerations cannot be computed.
+  /// Corrects a state at which a motion starts: normalises the quaternions, and changes q and v such that
+  /// loops are closed and prescribed motions are followed at the time in `at`. Then determines which branch
+  /// of its law each drive is in, and which joints stick or slide. Throws std::runtime_error if the loops
+  /// cannot be closed. Throws NoRates if q cannot be normalised, or if there are joints with dry friction or
+  /// gear losses and the accelerations cannot be computed.
   void start(Point& at);
   /// Finds out which plays (backlash of couplings) and hard stops are at an end when a motion starts. Those
   /// that move against their end have an impact, which changes v. Throws std::invalid_argument for a play or
@@ -98,11 +98,11 @@ class MotionEquations {
 
   /// The derivatives of the equations of motion at the time, the state (q, v, x), the drive forces and the
   /// wrenches of `at`; x are the states of drives. The rows are those of q', v', x' and the poses of `frames`
-  /// (12 numbers each), one below the other. The columns are the derivatives by the nq coordinates q (for a
-  /// quaternion, by its four components before it is normalised), by v, by x, by the drive forces (nv) and by
-  /// the wrenches (6 numbers for each loaded frame). The derivatives are exact as long as no drive changes to
-  /// another branch of its law, no joint begins to stick or slide and no play (backlash of a coupling) opens
-  /// or closes, but do not contain losses of gears.
+  /// (12 numbers each), one below the other. The columns are the derivatives by q (nq; for a quaternion, by
+  /// its four components before it is normalised), by v, by x, by the drive forces (nv) and by the wrenches
+  /// (6 numbers for each loaded frame). The losses of gears are not differentiated. All other derivatives are
+  /// exact as long as no drive changes to another branch of its law, no joint begins to stick or slide and no
+  /// play (backlash of a coupling) opens or closes.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);

@@ -19,21 +19,22 @@ inline bool moves_with_contact(const Model& model) {
   return has_shapes_that_touch(model) || has_hard_stops(model);
 }
 
-/// A motion in a co-simulation, integrated from one communication point to the next as by simulate(). Loops
-/// are closed at the end of each step. A step also ends where a joint begins to stick or to slide, a drive
-/// changes to another branch of its law (for example at a limit), or a play (backlash of a coupling) reaches
-/// or leaves an end. If the mechanism moves with contact, it is integrated as by simulate_contact() instead.
-/// Drive forces and loads are constant between communication points.
+/// A motion in a co-simulation, integrated from one communication point to the next as by simulate(), or as
+/// by simulate_contact() if the mechanism has hard stops or contacts. Loops are closed at the end of each
+/// step. A step also ends when a joint begins to stick or to slide, when a drive changes to another branch of
+/// its law (for example at a limit), and when a play (backlash of a coupling) reaches or leaves an end. Drive
+/// forces and loads are constant between communication points.
 class SteppedMotion {
  public:
   using Span = std::span<const double>;
 
   /// Starts at the state (q, v) at time t (s). The states of drives begin at the values in the description of
-  /// the model; those without a value are chosen by the law of the drive. `tolerance` is the relative
-  /// tolerance of adaptive steps. If it is empty, the default tolerances of simulate() hold; a motion with
-  /// contact then takes equal steps between two communication points, none of which is longer than the
-  /// default step of the method `contact`. Throws std::invalid_argument for a state in which a motion cannot
-  /// start, and if t is not 0 and the mechanism has prescribed motions or drives.
+  /// the model, or else at values that the law of the drive chooses. `tolerance` is the relative tolerance of
+  /// adaptive steps. If it is empty, the default tolerances of simulate() hold; a motion with contact then
+  /// takes equal steps between two communication points, not longer than the default step of the method
+  /// `contact`. Throws std::invalid_argument for a state that is not valid or has open loops, and if t is not
+  /// 0 and the mechanism has prescribed motions or drives. Throws std::runtime_error if the accelerations at
+  /// the start cannot be computed.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
                 std::optional<double> tolerance);
   /// A copy continues independently; both write their forces to one memory before they integrate.
