@@ -7,8 +7,9 @@ namespace axode::io {
 /// frames in the construction frame: the inertial frame, in which the mechanism is drawn at q = 0. Rounding
 /// noise around 0 and ±1 is removed from poses and from numbers that had to be transformed.
 ///
-/// Exception: if the joint frames of a planar or spherical joint would get other axes by this, its
-/// coordinates would change their meaning. Then these frames and the inertia of its body remain as they are.
+/// Exception: if axis and point in the construction frame would give a planar or spherical joint other joint
+/// frames, and its coordinates another meaning, the joint is described by its joint frames and the inertia of
+/// its body is kept.
 Description in_construction_frame(const Description& description);
 
 }  // namespace axode::io
