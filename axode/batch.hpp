@@ -44,17 +44,16 @@ struct [[nodiscard]] Outcome {
   bool ok() const { return singular_states == 0; }
 };
 
-/// Computes a function, given by its name in the table of axode/catalog.hpp, in N states. Arrays hold one
-/// state after the other; if the function has several results, those of one state follow each other in the
-/// order of the table. Arguments that are not numbers of a state, such as the frame of a pose, are common to
-/// all states. Each argument has the name that it has in the function for one state:
+/// Computes a function of the catalogue (axode/catalog.hpp), given by its name, in N states. Arrays hold one
+/// state after the other; several results of one state follow each other in the order of the catalogue. The
+/// arguments have the names that they have in the function for one state. Arguments that are not numbers,
+/// such as the frame of a pose, are common to all states. For example, for a model `arm`:
 ///
 ///     std::vector<double> tau(N * nv);
 ///     const Outcome outcome = batch::run(arm, "inverse_dynamics", {.q = q, .v = v, .a = a}, tau, threads);
 ///
 /// Besides the errors of all functions of axode/batch.hpp, throws std::invalid_argument for a function that
-/// cannot compute several states at once, for loads (external wrenches), and for joint losses. If the
-/// function cannot fail, the outcome only has the number of finished states.
+/// cannot compute several states at once, for loads (external wrenches), and for joint losses.
 template <class T = double>
 Outcome run(const Model& model, catalog::Id function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
@@ -69,24 +68,23 @@ struct DriveMotions {
   std::vector<AddedDrive> added = {};  ///< drives in addition to those of the model
 };
 
-/// Integrates N motions of K steps of equal length `step` (s), by an explicit Runge-Kutta-Munthe-Kaas method,
-/// as axode::simulate_fixed() does. q and v are the initial states of the N motions. tau has the drive
-/// forces: nv numbers for each step of each motion, constant during the step. q_out and v_out receive K + 1
-/// states for each motion, beginning with the initial state. Each array has one motion after the other, and
-/// each motion one step after the other. If a motion cannot continue, its later states are NaN. If `compiled`
-/// is not empty, it replaces the library's forward dynamics.
+/// Integrates N motions of K steps of equal length `step` (s) by an explicit Runge-Kutta-Munthe-Kaas method,
+/// as axode::simulate_fixed() does for one motion. q and v are the initial states of the N motions. tau has
+/// the drive forces: nv numbers for each step of each motion, constant during the step. q_out and v_out
+/// receive K + 1 states for each motion, beginning with the initial state. Each array has one motion after
+/// the other, and each motion one step after the other. If a motion cannot continue, its later states are
+/// NaN. If `compiled` is not empty, accelerations are computed by it instead of the library's forward
+/// dynamics.
 ///
-/// Loops are closed again after each step. Models with loops need double precision, and the function throws
-/// std::invalid_argument if a loop is open in an initial state.
+/// Loops are closed again after each step. If `joint_losses` is set, damping, dry friction and losses of
+/// gears act. Drives with states (motors, controllers, ...) of the model and of `drives` act in addition to
+/// tau. A step is divided at the times when the law of such a drive changes its form, for example at a limit,
+/// and when an input of a drive jumps. Motions with such drives, dry friction or losses of gears are computed
+/// one at a time in each thread.
 ///
-/// If `joint_losses` is set, damping, dry friction and losses of gears act. Dry friction and losses of gears
-/// need double precision, and motions with them are computed one at a time.
-///
-/// Drives with states (motors, controllers, ...) need double precision. Motions with such drives are computed
-/// one at a time, and must start at t = 0 if dry friction or losses of gears act too. A step of such a motion
-/// is divided where the law of a drive changes its form, for example at a limit, and where an input jumps.
-/// For the same forces and times such motions are those of simulate_fixed() to the last bit, and their steps
-/// allocate memory only if dry friction or losses of gears act.
+/// Throws std::invalid_argument if a loop is open in an initial state; for T = float, if the model has loops,
+/// or if drives with states, dry friction or losses of gears act; and if motions with drives with states and
+/// dry friction or losses of gears do not begin at t = 0.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
@@ -94,11 +92,9 @@ Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<
                 bool joint_losses = false, const CompiledDynamics<T>& compiled = {},
                 const DriveMotions& drives = {});
 
-/// Integrates N motions of K steps of length `step` (s) under a drive, a function that returns the drive
-/// forces at a time and state. Each thread has a copy of the drive and calls it for one motion at a time. For
-/// most drives of axode/integration/drives.hpp several motions are computed at once in SIMD registers, and
-/// the motion that a controller follows is evaluated once for all of them. Throws std::invalid_argument if
-/// the drive is empty.
+/// Integrates N motions of K steps of length `step` (s) under the drive forces that `drive` computes from the
+/// time and the state (q, v) of a motion; all else is as in rollout() for given drive forces. Each thread
+/// calls its own copy of `drive`. Throws std::invalid_argument if `drive` is empty.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<T>> q_out,

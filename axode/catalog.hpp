@@ -66,11 +66,11 @@ template <class T> struct Function : Words {
   std::size_t size(const Model& model, std::size_t n_loads) const;
 };
 
-/// The catalogue: a row for each function of a state, such as inverse_dynamics, in the order of the
-/// documentation. A row describes the arguments and the results of its function and has pointers by which it
-/// is called. Rep is the representation of twists and wrenches (BodyFixed, Spatial, Hybrid or Mixed) in which
-/// results are given or recursions run. It can also be Fast, the choice that takes the least time; the rows
-/// are then only those of functions with a fast recursion.
+/// The catalogue: a row for each function of a state, such as inverse_dynamics, with its arguments, its
+/// results and pointers by which it is called. Rep is the representation of twists and wrenches (BodyFixed,
+/// Spatial, Hybrid or Mixed) in the results or, for a result that does not depend on it, in the recursion.
+/// Rep can also be Fast, for the fastest recursion; the rows are then only those of functions that have a
+/// fast recursion.
 template <RecursionChoice Rep, class T = double> std::span<const Function<T>> functions();
 /// The row of a function in the catalogue, or nullptr if no function has this name.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);
