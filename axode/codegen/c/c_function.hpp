@@ -43,11 +43,11 @@ struct Definition {
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision);
 /// Writes the definition of a recorded function (a list of operations) in C that computes several states at
-/// once, one in each lane of a vector (the types axode_lanes and axode_mask of the generated code).
-/// `sine_cosine` with `_lanes` added is the name of the function for sines and cosines. The written function
-/// is `static`, and returns a mask of the lanes whose mass matrix may be singular if the recording reports
-/// them. It can be cut into parts, which pass numbers to later parts in an array; this array is its last
-/// argument.
+/// once, one in each lane of a vector (the types axode_lanes and axode_mask of the generated code). The
+/// written function is `static`. It returns a mask of the lanes whose mass matrix may be singular, or nothing
+/// if the recorded function does not test this. It computes sines and cosines by calling the function whose
+/// name is `sine_cosine` followed by `_lanes`. A long function is cut into parts, which pass numbers to later
+/// parts in an array, the last argument of the written function.
 Definition lanes_definition(const Recording& recording, const std::string& name,
                             const std::string& sine_cosine, const Precision& precision);
 

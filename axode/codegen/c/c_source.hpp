@@ -68,9 +68,9 @@ struct Source {
 /// Whether a name has only ASCII letters, digits and underscores, and does not begin with a digit.
 bool is_identifier(std::string_view name);
 
-/// Generates functions of a model. Each function has the units, frames, coordinates and results of the
-/// library's function of the same name. PREFIX stands for options.prefix or the model's name, NAME for a
-/// frame's name as an identifier, and T for double or float:
+/// Generates C or CUDA functions of a model. Each function has the units, frames, coordinates and results of
+/// the library's function of the same name. PREFIX stands for options.prefix or, if this is empty, for the
+/// model's name, NAME for a frame's name as an identifier, and T for double or float:
 ///
 ///     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
 ///     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
@@ -87,18 +87,20 @@ bool is_identifier(std::string_view name);
 ///     int  PREFIX_forward_dynamics_derivatives(const T *q, const T *v, const T *tau, T *da)
 ///     int  PREFIX_forward_dynamics_jvp(...), ..._vjp(...), PREFIX_forward_dynamics_hessian(...)
 ///
-/// The derivatives by q, by v and by a (or tau) follow each other in dtau (or da), nv x nv numbers each, and
-/// in a gradient, nv numbers each. The blocks (q, q), (q, v), (v, v) and (a or tau, q) of a Hessian follow
-/// each other as well. M and its inverse are nv x nv. C has 12 numbers for each frame, the columns of R and
-/// then r. J is 6 x nv, row by row, angular before linear, in the body-fixed representation; the name of a
-/// function for another representation ends with it, as in PREFIX_jacobian_NAME_spatial. The functions of
-/// forward dynamics and of M_inverse return 0, or 1 if the mass matrix may be singular; the result is then
-/// not to be trusted. Arrays must not overlap. Armature and gravity are those of the model; joint losses and
-/// loads are left out. Results differ from the library's by rounding, for angles up to 1e5 rad.
+/// A function with the ending _jvp computes the directional derivative of tau (or a) along dq, dv and da (or
+/// dtau); _vjp and _hessian compute the gradient and the second derivatives of the sum of the entries of tau
+/// (or a) with the nv weights w. The derivatives by q, by v and by a (or tau) follow each other in dtau (or
+/// da), nv x nv numbers each, and in a gradient, nv numbers each. The blocks (q, q), (q, v), (v, v) and (a or
+/// tau, q) of a Hessian follow each other as well. M and its inverse are nv x nv. C has 12 numbers for each
+/// frame, the columns of R and then r. J is 6 x nv, row by row, angular before linear, in the body-fixed
+/// representation; the name of a function for another representation ends with it, as in
+/// PREFIX_jacobian_NAME_spatial. The functions of forward dynamics and of M_inverse return 0, or 1 if the
+/// mass matrix may be singular; their result is then unreliable. Arrays must not overlap. Armature and
+/// gravity are those of the model; joint losses and loads are left out. Results differ from the library's by
+/// rounding, for angles up to 1e5 rad.
 ///
-/// In CUDA several states lie side by side: entry k of state i of n states is x[k n + i]. For each function
-/// there is a device function, which one thread calls with arguments that point to the first entries of its
-/// state,
+/// In CUDA, n states are stored side by side: entry k of state i is x[k n + i]. For each function there is a
+/// device function, which one thread calls with pointers to the first entries of its state,
 ///
 ///     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau, int n)
 ///
@@ -108,8 +110,8 @@ bool is_identifier(std::string_view name);
 ///
 /// The kernel writes NaN for a state if the device function returns 1. Angles may have any size in CUDA.
 ///
-/// The time and the memory that generated functions take are proportional to their operations: O(n), O(n²)
-/// for matrices, and O(n² d) for the Hessian of forward dynamics of a tree of depth d. Throws
+/// The time and the memory that generated functions take are proportional to their operations: O(nv), O(nv²)
+/// for matrices, and O(nv² d) for the Hessian of forward dynamics of a tree of depth d. Throws
 /// std::invalid_argument for a prefix that is no C identifier, a frame that does not exist, an empty list of
 /// functions, and a function that is in the list twice.
 Source c_source(const Model& model, std::span<const Function> functions, const Options& options = {});
