@@ -18,13 +18,13 @@ template <class T> class AXODE_ENTRY DriveElimination {
 
   /// Computes the drive forces τ (nv) and, unless `lambda` is null, the multipliers λ (a number for each loop
   /// equation) with τ + Aᵀ λ = f, for given joint forces f and the Jacobian A of the loop equations. If there
-  /// are more drives than needed, τ has the least Euclidean norm. `driven` (nv) flags the velocities with
-  /// drives. entries[k] has the rows of A for loop k, column by column. It has only the columns of
-  /// LoopPath::columns: one for each joint screw on the path of the loop in the spanning tree, or for each
-  /// term of a coupling of joints. `considerable` is a magnitude of entries of A that are no rounding errors;
-  /// pivots are compared with the larger of `considerable` and the largest entry. Returns false, without
-  /// results, if the mechanism can move while all drives are locked, if λ is wanted and not unique, or if a
-  /// pivot is so small in this comparison that it may be a rounding error.
+  /// are more drives than needed, τ has the least sum of squares (of numbers in N m and N). `driven` (nv)
+  /// flags the velocities with drives. entries[k] has the entries of A for the equations of loop k, column by
+  /// column, with the columns of LoopPath::columns: one for each joint screw on the path of the loop, or for
+  /// each term of a coupling. `considerable` is a magnitude of entries of A that are no rounding errors.
+  /// Returns false, without results, if the mechanism can move while all drives are locked, if λ is wanted
+  /// and not unique, or if a pivot of the elimination may be a rounding error, being small compared with the
+  /// larger of `considerable` and the largest entry of A.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 
@@ -49,25 +49,23 @@ template <class T> class AXODE_ENTRY DriveElimination {
   bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
-  /// Sets the multipliers of the loop equations that are left over after the velocities without a drive of
-  /// all limbs have been eliminated. A limb is a chain that carries the platform; the joints on the path in
-  /// the spanning tree from the ground to the platform are in no limb. The leftover equations are the rows of
-  /// the matrix `remaining_`, from which the velocities without a drive of the joints on this path are
-  /// eliminated in a second step. `nu` has the multipliers of the rows of `remaining_` after the second step;
-  /// its contents are lost.
+  /// Sets the multipliers Part::mu of the loop equations that are left over after the velocities without a
+  /// drive of all limbs (chains that carry the platform) have been eliminated. These equations are the rows
+  /// of `remaining_`, from which the velocities without a drive of the joints between the ground and the
+  /// platform have then been eliminated. `nu` has the multipliers of the rows after this second elimination
+  /// and is overwritten.
   void set_remaining(T* nu) noexcept;
-  /// Subtracts constraint forces from the entries of `forces` (nv) at velocities with drives; the other
-  /// entries do not change. The constraint forces are those of the loop equations of all limbs (chains that
-  /// carry the platform) for the multipliers Part::mu. If `only_remaining` is set, only those equations of
-  /// each limb count that are left over after the elimination of the limb's velocities without a drive;
-  /// otherwise all equations count. Returns the largest magnitude of a subtracted term, the product of a
-  /// multiplier and an entry of an equation.
+  /// Subtracts the constraint forces of the loop equations of all limbs (chains that carry the platform), for
+  /// the multipliers Part::mu, from the entries of `forces` (nv) at velocities with drives. If
+  /// `only_remaining` is set, only those equations of each limb count that are left over after the
+  /// elimination of the limb's velocities without a drive. Returns the largest magnitude of a subtracted
+  /// term, the product of a multiplier and an entry of an equation.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
-  /// Replaces the drive forces `forces` (nv) by those of least norm that cause the same motion: the part by
-  /// which drives act against each other is subtracted. A loop equation that is left over after the
-  /// elimination of all velocities without a drive contains only velocities with drives. Its constraint
-  /// forces are therefore drive forces without effect on the motion; they are 0 if the equation is redundant.
-  /// Returns false if rounding errors leave open how many of these forces are independent.
+  /// Replaces the drive forces `forces` (nv) by those of least norm that cause the same motion. A loop
+  /// equation that is left over after the elimination of all velocities without a drive contains only
+  /// velocities with drives. Its constraint forces are therefore drive forces without effect on the motion,
+  /// and `forces` is projected onto the orthogonal complement of all of them. They are 0 if the equation is
+  /// redundant. Returns false if rounding errors leave open how many of them are independent.
   bool take_least(const T& considerable, T* forces) noexcept;
 
   const LoopTable& table_;

@@ -84,11 +84,11 @@ class LimbPack {
   /// The index of velocity j of the limb in lane l.
   int velocity(int l, int j) const { return velocity_[index(l * velocities() + j)]; }
 
-  /// Reads the entries of the loop equations, and eliminates the dependent velocities of each limb one after
-  /// the other. The pivot of a velocity is the largest entry of its column in the rows that remain. It must
-  /// be larger than the relative tolerance `certain` times the larger of two numbers: the largest entry of
-  /// the limb's equations at dependent velocities, and `considerable`, a magnitude of entries that are no
-  /// rounding errors. Returns the index of a limb with too small a pivot; -1 if all limbs are regular.
+  /// Reads the entries of the loop equations of each limb (a chain that carries the platform), and eliminates
+  /// the limb's dependent velocities, which these equations determine. The pivot of a velocity is the largest
+  /// entry of its column in the rows without a pivot. It must exceed `certain` times the largest entry of the
+  /// limb's equations at dependent velocities or, if this is larger, `considerable`, a magnitude of entries
+  /// that are no rounding errors. Returns the index of a limb with too small a pivot; -1 if there is none.
   int resolve(const std::vector<std::vector<double>>& entries, double considerable, double certain) noexcept {
     fill(entries);
     Number size(considerable);
@@ -127,11 +127,11 @@ class LimbPack {
   }
   /// The right side of row i of the loop equations of the limb in lane l, after the elimination.
   double right_side(int l, int i) const { return b_.lane(i, l); }
-  /// Computes the joint velocities, or accelerations, of all limbs and writes them to x (nv). `y` has the f
-  /// task velocities, or their rates. An inner velocity of a limb is one that the platform does not
-  /// determine; it is itself a task velocity. Those of limb k begin at first_inner[k] in `y`. `s` has the
-  /// velocities, or accelerations, of the platform's joint on the ground. The dependent velocities follow
-  /// from the inner ones, from `s`, and from the loop equations with the right side of set_right_side().
+  /// Computes the joint velocities, or accelerations, of all limbs (chains that carry the platform) and
+  /// writes them to x (nv). `y` has the f task velocities, or their rates. The inner velocities of limb k,
+  /// which the platform does not determine, begin at y[first_inner[k]]. `s` has the velocities, or
+  /// accelerations, of the platform's joint on the ground. The other velocities of a limb follow from the
+  /// inner ones, from `s`, and from its loop equations with the right side of set_right_side().
   void expand(const double* y, const std::vector<int>& first_inner, const double* s, double* x) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.inner; ++j)
@@ -146,12 +146,11 @@ class LimbPack {
       for (int j = 0; j < velocities(); ++j) x[velocity(l, j)] = x_.lane(j, l);
   }
 
-  /// Computes the rows of the dependent velocities in the matrix F of v = F V (D18.6), which maps task
-  /// velocities V to joint velocities v. A limb has columns for the task velocities on which its velocities
-  /// depend: first those of the platform, then its inner velocities, which the platform does not determine.
-  /// In the loop equations of the limb the platform's motion is given by the velocities of its joint on the
-  /// ground. N maps the task velocities of the platform to the velocities of this joint; it is stored row by
-  /// row, with `stride` numbers in each row.
+  /// Computes the rows of the matrix F of v = F V (D18.6), which maps task velocities V to joint velocities
+  /// v, for the dependent velocities of each limb (a chain that carries the platform): those that the loop
+  /// equations determine. A limb has columns for the task velocities of the platform, followed by its inner
+  /// velocities, which the platform does not determine. N maps the task velocities of the platform to the
+  /// velocities of its joint on the ground, row by row, with `stride` numbers in each row.
   void make_F(const double* N, int stride) noexcept {
     for (int i = shape.dependent; i-- > 0;) {
       for (int t = 0; t < free_; ++t) {
@@ -174,11 +173,11 @@ class LimbPack {
   }
   int motions() const { return free_ + shape.inner; }
 
-  /// Computes the part Fᵀ M F of each limb in the mass matrix of the task space (D18.11). F maps task
-  /// velocities to joint velocities, and M (nv × nv) is the mass matrix of the spanning tree. If
-  /// shape.coupled is set, M couples the limbs with the platform's joint on the ground, and the part includes
-  /// the entries of M for a velocity of the limb and one of this joint. `carrying` has the indices of the
-  /// velocities of this joint, and N, with `stride` numbers in each row, maps task velocities to them.
+  /// Computes the part Fᵀ M F of each limb (a chain that carries the platform) in the mass matrix of the task
+  /// space (D18.11). F maps task velocities to joint velocities, and M (nv × nv) is the mass matrix of the
+  /// spanning tree. If shape.coupled is set, the part includes the entries of M for a velocity of the limb
+  /// and one of the platform's joint on the ground. `carrying` has the indices of the velocities of this
+  /// joint, and N, with `stride` numbers in each row, maps task velocities to them.
   void make_M(const double* M, int nv, const std::vector<int>& carrying, const double* N,
               int stride) noexcept {
     const int n = velocities(), d = shape.dependent, m = motions();
@@ -337,12 +336,12 @@ class LimbPack {
     for (int j = 0; j < columns(); ++j) exchange(A_, k * columns() + j, i * columns() + j);
     exchange(row_, k, i);
   }
-  /// Computes the product Fᵀ Q for each limb, a part of the mass matrix of the task space. F maps task
-  /// velocities to the velocities of the limb, and Q has `n` columns. If `first` is set, Q is M F with the
-  /// mass matrix M of the limb's velocities; the product is symmetric and is stored. Otherwise Q is M N: M
-  /// has the entries of the tree's mass matrix that couple the limb with the platform's joint on the ground,
-  /// and N maps the platform's task velocities to the velocities of this joint. Then the product and its
-  /// transpose are added to the stored matrix.
+  /// Computes the product Fᵀ Q for each limb (a chain that carries the platform), a part of the mass matrix
+  /// of the task space. F maps task velocities to the velocities of the limb, and Q has `n` columns. If
+  /// `first` is set, Q is M F with the mass matrix M of the limb's velocities, and the symmetric product is
+  /// stored. Otherwise Q is M N: M has the entries of the tree's mass matrix that couple the limb with the
+  /// platform's joint on the ground, and N maps the platform's task velocities to the velocities of this
+  /// joint. The product and its transpose are then added to the stored matrix.
   void set_product(const Array& Q, int n, bool first) noexcept {
     const int m = motions();
     const auto product = [&](int r, int t) {

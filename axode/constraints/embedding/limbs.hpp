@@ -31,10 +31,9 @@ Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platf
 
 /// Divides a mechanism into limbs, parts that are coupled only through the joints on the path in the spanning
 /// tree from the ground to a body called the platform. `paths` has the paths of all loops in the spanning
-/// tree. The platform is chosen for the least estimated cost of an elimination of all velocities from the
-/// loop equations, first in one limb after the other and then on the path to the platform. It is one of the
-/// 16 bodies that are on the paths of most loops to the ground, or there is none if this costs least. O(nv +
-/// m d) for m loop equations on paths of d joints.
+/// tree. Among the 16 bodies that are on the paths of most loops to the ground, the platform is the one for
+/// which an elimination of all velocities, limb by limb, is estimated to cost least. There is no platform if
+/// the elimination costs least without one. O(nv + m d) for m loop equations on paths of d joints.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths);
 
 }  // namespace axode

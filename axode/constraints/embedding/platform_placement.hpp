@@ -17,12 +17,11 @@ struct PlatformPlacement {
 
 /// Inverse kinematics of a parallel manipulator: moves the platform such that its body frame has the pose C
 /// in the inertial frame, and closes every limb (a chain that carries the platform) by Newton's method on the
-/// limb's own joints (D18.12). `q` (nq) contains the configuration to start from and receives the new one. If
-/// the pose is not far, the limbs stay in their assembly mode. Coordinates that the platform does not
-/// determine do not change. If a limb does not reach the pose, q is the last iterate. Limits of coordinates
-/// are ignored. Allocates; O(limbs) for each iteration. Throws std::invalid_argument for a mechanism without
-/// a platform, for a wrong size of q or quaternions that are not of unit norm, and for numbers that are not
-/// finite.
+/// limb's own joints (D18.12). `q` (nq) contains the configuration to start from and receives the new one, or
+/// the last iterate if a limb does not reach the pose. If C is near the pose at the start, the limbs stay in
+/// their assembly mode. Limits of coordinates are ignored. Allocates; O(limbs) for each iteration. Throws
+/// std::invalid_argument for a mechanism without a platform, a wrong size of q, quaternions that are not of
+/// unit norm, and numbers that are not finite.
 [[nodiscard]] PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<double> q);
 
 /// A sentence that says that the pose is reached, or which limb or joint misses it and by how much.

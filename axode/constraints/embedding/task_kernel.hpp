@@ -98,11 +98,11 @@ class AXODE_ENTRY TaskKernel {
   bool has_drive(int c) const { return model().loops().driven[index(c)] != 0; }
   void make_parts(const Limbs& limbs);
   void determine_ranks();
-  /// Distributes the limbs (chains that carry the platform) over packs, which are computed in SIMD lanes. The
-  /// limbs of a pack have the same numbers of loop equations, of dependent velocities (which the loop
-  /// equations determine) with and without a drive, and of other velocities. The loop equations of a limb
-  /// also contain the velocities of the platform's joint on the ground; their columns are in the present
-  /// order of `carrying_`, the list of these velocities.
+  /// Distributes the limbs (chains that carry the platform) over packs, whose limbs are computed together in
+  /// SIMD lanes. The limbs of a pack have the same numbers of loop equations, of dependent velocities (which
+  /// the loop equations determine) with and without a drive, and of other velocities. The loop equations of a
+  /// limb also contain the velocities of the platform's joint on the ground, with columns in the order of
+  /// `carrying_`.
   void make_packs();
   void choose_components();
   /// Orders `velocities` in three groups: the dependent velocities without a drive, the dependent ones with a

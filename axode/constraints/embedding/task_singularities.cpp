@@ -28,11 +28,11 @@ std::string in_words(const Twist<Spatial>& V, double length) {
   return words;
 }
 
-/// The Jacobian of the loop equations, and the matrix of the platform's twists for a unit of each velocity of
-/// the platform's joint on the ground. Both are scaled such that rotations and translations can be compared:
-/// angular velocities, and loop equations whose constraint reaction is a pure couple, are multiplied by
-/// `length`, the mean distance of the loop joints on the platform from their centre `center`. Twists are
-/// about `center`.
+/// Scaled matrices of a parallel manipulator: the Jacobian of the loop equations, and the matrix that maps
+/// the velocities of the platform's joint on the ground to the platform's twist about `center`, the centre of
+/// the loop joints on the platform. To compare rotations with translations, angular velocities, and loop
+/// equations whose constraint reaction is a pure couple, are multiplied by `length`, the mean distance of
+/// these joints from `center`.
 class Scaled {
  public:
   Scaled(TaskKernel& kernel, std::span<const double> q) : kernel_(kernel), model_(kernel.model()) {

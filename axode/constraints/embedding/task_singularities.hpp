@@ -26,19 +26,18 @@ struct TaskSingularity {
   std::string sentence;             ///< one sentence for the user, with the screw of the twist
 };
 
-/// Finds the singularities of a parallel manipulator near a closed configuration q, from three kinds of
-/// matrices at q. Each loses rank in singularities of its type:
-///   - type 1: the loop equations of one limb, a chain that carries the platform, in the limb's own
-///     velocities;
+/// Finds the singularities of a parallel manipulator near a configuration q with closed loops. In a
+/// singularity of each type a matrix loses rank:
+///   - type 1: the Jacobian of the loop equations of one limb (a chain that carries the platform) by the
+///     limb's own velocities;
 ///   - type 2: the matrix that maps the motions of the platform that the limbs allow to the velocities of the
 ///     drives;
-///   - constraint singularities: the conditions of all limbs for the twist of the platform.
-/// Types 1 and 2 together are type 3. The distance from a singularity is the least singular value that is not
-/// 0 at regular configurations, divided by the largest one. Singularities with a distance below `within` are
-/// returned. Lengths are divided by the mean distance of the loop joints on the platform from their centre.
-/// Allocates; one singular value decomposition for each limb. Throws std::invalid_argument for a mechanism
-/// without a platform, for a wrong size of q, a q that leaves a loop open, and `within` that is not from 0 to
-/// 1.
+///   - constraint singularities: the matrix of the conditions of all limbs on the twist of the platform.
+/// The distance from a singularity is the least singular value of this matrix at q that is not 0 at regular
+/// configurations, divided by the largest one. Singularities with a distance below `within` are returned.
+/// Lengths are divided by the mean distance of the loop joints on the platform from their centre. Allocates;
+/// one singular value decomposition for each limb. Throws std::invalid_argument for a mechanism without a
+/// platform, for a wrong size of q, a q that leaves a loop open, and `within` that is not from 0 to 1.
 [[nodiscard]] std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const double> q,
                                                          double within = 1e-3);
 

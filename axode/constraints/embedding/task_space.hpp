@@ -31,8 +31,8 @@ struct TaskVerdict {
 ///   M V' + h = Jᵀ u,   v = F V,   a = F V' + c.
 /// V are the f task velocities: components of the platform's twist, and then the velocities of joints that
 /// the platform does not determine. u are the forces of the drives, whose velocities are J V. v and a are the
-/// velocities and accelerations of all joints (nv each), and c is the part of a that does not depend on V'. M
-/// is the mass matrix for V, and h has the Coriolis, centrifugal and gravity forces minus those of the loads.
+/// velocities and accelerations of all joints (nv each), and c is a for V' = 0. M is the mass matrix for V,
+/// and h has the Coriolis, centrifugal and gravity forces minus the generalised forces of the loads.
 struct TaskEquations {
   TaskVerdict verdict;      ///< if it is not ok(), the matrices are empty
   Eigen::MatrixXd M;        ///< f × f, kg m², kg m and kg
@@ -51,16 +51,17 @@ struct TaskEquations {
 /// docs/derivations/constraint-embedding.md.
 ///
 /// A TaskSpace has the scratch memory of one thread; only equations() allocates. Configurations q must close
-/// the loops, and velocities v must keep them closed. The springs of the model do not act; the forces τ that
-/// forward_dynamics() takes may contain their forces. Costs are O(limbs) for limbs of bounded size.
+/// the loops, and velocities v must keep them closed. The springs of the model do not act; their forces may
+/// be added to those that forward_dynamics() takes. Costs are O(limbs) for limbs of bounded size.
 class TaskSpace {
  public:
-  /// Determines the limbs (the chains that carry the platform), their mobility and the task velocities at a
-  /// closed, regular configuration q. `platform` is the name of a body whose joint is on the ground; if it is
-  /// empty, the body is chosen for which computations limb by limb cost least. Throws std::invalid_argument
-  /// for a wrong size of q or a q that leaves a loop open, an unknown body, a body whose joint is coupled or
-  /// not on the ground, a mechanism without loops or with prescribed motions, and ranks that rounding leaves
-  /// open.
+  /// Determines the limbs (the chains that carry the platform) and the task velocities at a regular
+  /// configuration q with closed loops. `platform` is the name of a body whose joint is on the ground. If it
+  /// is empty, the body is chosen for which computations limb by limb cost least, or none if the joint of
+  /// this body is coupled or not on the ground. Throws std::invalid_argument for a wrong size of q or a q
+  /// that leaves a loop open, an unknown body, a given platform whose joint is coupled or not on the ground,
+  /// a mechanism without loops or with prescribed motions, and loop equations whose rank is uncertain because
+  /// of rounding errors.
   TaskSpace(const Model& model, std::span<const double> q, std::string_view platform = {});
   ~TaskSpace();
   TaskSpace(TaskSpace&&) noexcept;
