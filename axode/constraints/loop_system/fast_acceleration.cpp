@@ -2,10 +2,9 @@
 #include "axode/recursion/instantiate.hpp"
 
 /// Two fast algorithms for mechanisms with loops. accelerate_fast() computes accelerations by a version of
-/// the articulated-body algorithm (D4.12) that takes no coupled joints (joints that share a velocity) and
-/// does not estimate rounding errors. force_fast() computes the joint forces that the spanning tree needs for
-/// a given motion (q, v, a), by inverse dynamics. Both algorithms have twists and wrenches about the origins
-/// of the bodies.
+/// the articulated-body algorithm (D4.12) for mechanisms without coupled joints (joints that share a
+/// velocity), which does not estimate rounding errors. force_fast() computes the joint forces that the
+/// spanning tree needs for a given motion (q, v, a), by inverse dynamics.
 namespace axode {
 
 template <class T>

@@ -17,13 +17,12 @@ template <class T> class AXODE_ENTRY IndependentRows {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
 
-  /// Analyses the loop equations at the present kinematics. At the velocity level their Jacobian A has a row
-  /// for each equation A v = 0. At the position level A is the Jacobian of the position residuals, which
-  /// equations that restrict only velocities, such as those of rolling contacts, do not have. Each equation
-  /// has a column of Y = D^-½ L⁻ᵀ Aᵀ, with the mass matrix LᵀD L of the spanning tree. An equation is
-  /// redundant if its column, minus the projection on earlier independent columns, has a norm of at most
-  /// `part` times the size of the equation. This size is the norm of its column, but not less than a limit
-  /// for rounding errors (D7.7).
+  /// Determines the independent equations among the loop equations A v = 0 at the velocity level, or among
+  /// the equations that make the position residuals 0, whose Jacobian is then A, at the position level. The
+  /// kinematics must have been updated. Each equation has a column of Y = D^-½ L⁻ᵀ Aᵀ, with the mass matrix
+  /// LᵀD L of the spanning tree. An equation is redundant if its column, minus the projection on earlier
+  /// independent columns, has a norm of at most `part` times the size of the equation. This size is the norm
+  /// of its column, but not less than a limit for rounding errors (D7.7).
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 

@@ -10,13 +10,12 @@
 namespace axode {
 namespace {
 
-/// Bounds of a small number μ, the filter. The equations A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loops,
-/// with the Jacobian A of the loop equations, the mass matrix M and a given b, can be solved although loop
-/// equations are redundant, because each diagonal entry of the matrix is increased by μ times itself (D7.9).
-/// If the loops are open with a residual r, redundant equations seem to be independent by an amount of the
-/// order of r; hence μ is (1e4 |r|)², limited by these bounds. In simulations the lower bound is larger, so
-/// that rounding errors of r are not magnified near configurations from which the mechanism can move in
-/// several ways.
+/// Bounds of the filter μ, a small number. The multipliers λ of the loops are computed from A M⁻¹ Aᵀ λ = -b,
+/// with the Jacobian A of the loop equations, the mass matrix M and a given b. So that this is possible if
+/// equations are redundant, each diagonal entry of A M⁻¹ Aᵀ is increased by μ times itself (D7.9). If the
+/// loops are open by a residual r (rad and m), redundant equations seem to be independent, by an amount of
+/// the order of |r|; hence μ is (1e4 |r|)², limited by these bounds. The lower bound is larger in
+/// simulations, which determine the redundant equations once for each step.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
@@ -25,11 +24,11 @@ template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 /// A is the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
 /// An equation of a loop joint counts as rounding errors, and is replaced by zeros so that its multiplier is
-/// 0, if g is less than this fraction of its size d (D7.7). Here g is the square root of the equation's
-/// diagonal entry of A M⁻¹ Aᵀ, with the Jacobian A of the loop equations and the mass matrix M. The size d is
-/// the largest of four numbers: g; 0.1 times the largest g of the equations of its loop; 1e-6 times the
-/// largest g of all equations; and 1e-4 times an estimate of the value that g would have if the terms of the
-/// equation did not cancel.
+/// 0, if g is less than this fraction of its size d (D7.7). Here g² is the diagonal entry of A M⁻¹ Aᵀ for the
+/// equation, with the Jacobian A of the loop equations and the mass matrix M. The size d is the largest of
+/// four numbers: g; 0.1 times the largest g of the equations of the loop; 1e-6 times the largest g of all
+/// equations; and 1e-4 times an estimate of the value that g would have if the terms of the equation did not
+/// cancel.
 template <class T> constexpr T vanishing_part = is_float<T> ? T(1e-4) : T(1e-9);
 constexpr float size_of_a_row_of_zeros = 1e15f;
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);
@@ -72,9 +71,9 @@ void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial
 
 /// Computes the columns of Y = D^-½ L⁻ᵀ Aᵀ of n equations of a loop at once, if no joints of the tree are
 /// coupled (D7.6). LᵀD L is the factorised mass matrix of the spanning tree and A the Jacobian of the loop
-/// equations. The backward sweep of the articulated-body algorithm takes the wrenches that unit multipliers
-/// exert on the two bodies of the loop to the ground. Each joint screw on the way gives one row of entries of
-/// Y.
+/// equations. The wrenches that unit multipliers exert on the two bodies of the loop are moved to the ground
+/// by the backward sweep of the articulated-body algorithm. Each joint screw on the paths to the ground gives
+/// one row of entries of Y.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {

@@ -46,12 +46,12 @@ enum class ConstraintLevel {
   velocity,  ///< all rows A, with A v = 0
 };
 
-/// The loops of a spanning tree at a state (q, v), and the linear system of its motion under the loops:
+/// The loops of a spanning tree at a state (q, v), and the constrained equations of motion
 ///   M a + h - Aᵀ λ = τ,   A a + γ = 0
-/// for the accelerations a and the multipliers λ of the loop equations A v = 0, with the mass matrix M and
-/// the bias forces h of the tree, and γ = A' v. With M = Lᵀ D L, factorised by articulated bodies, and Y =
-/// D^-½ L⁻ᵀ Aᵀ, the multipliers are solutions of Yᵀ Y λ = -(Yᵀ D^-½ L⁻ᵀ (τ - h) + γ) ((D7.1) to (D7.6) of
-/// docs/derivations). O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints.
+/// for the accelerations a and the multipliers λ of the loop equations A v = 0, with the drive forces τ, the
+/// mass matrix M and the bias forces h of the tree, and γ = A' v. With M = Lᵀ D L, factorised by articulated
+/// bodies, and Y = D^-½ L⁻ᵀ Aᵀ, the multipliers are solutions of Yᵀ Y λ = -(Yᵀ D^-½ L⁻ᵀ (τ - h) + γ) ((D7.1)
+/// to (D7.6)). O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints.
 template <class T> class AXODE_ENTRY LoopSystem {
  public:
   using Vector = Eigen::VectorX<T>;
@@ -89,11 +89,12 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// been computed. The numbers are valid until the next call.
   std::span<const T> acceleration_residual(const T* a) noexcept;
   /// Computes drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations A v = 0,
-  /// such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. If several τ are possible, the one
+  /// such that τ + Aᵀ λ = f for given joint forces f of the spanning tree. If several τ are possible, the one
   /// with the least sum of squares (of numbers in N m and N) is taken. Drives act on the velocities with
-  /// indices in `drives` or, if it is empty, on those of all joints that are not passive. A must have been
-  /// computed. Returns false without results if the mechanism can move while all drives are locked, if λ is
-  /// wanted and not unique, or if a rank is uncertain because of rounding errors.
+  /// indices in `drives` or, if it is empty, on those of all joints that are not passive. The Jacobian A must
+  /// have been computed. Returns false, without results, if the mechanism can move while all drives are
+  /// locked, if λ is wanted and not unique, or if a rank in the elimination of A is uncertain because of
+  /// rounding errors.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
   /// A scale by which eliminations judge the Jacobian of the loop equations: a pivot may be a rounding error
   /// if it is small compared with this scale or with the largest entry. The scale is 0.1 d. Here d is the
@@ -148,11 +149,11 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// residuals r(q) of the loops.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
-  /// Computes γ - s'' (D6.7). The loop equations are A v = s' with prescribed right sides s', and γ is the
-  /// part of (A v)' that does not depend on accelerations. The first function uses the motion of the bodies
-  /// that move() computed last. The second one takes the twists V of the bodies and the rates dV that they
-  /// have if the velocities v are constant. Both are in inertial axes, for each body about the origin of the
-  /// first body on the path from the ground to it.
+  /// Computes γ - s'' for the loop equations A v = s' with prescribed right sides s', where γ is the part of
+  /// (A v)' that does not depend on accelerations (D6.7). The first function uses the motion of the bodies
+  /// that move() computed last. The second one takes the twists V of the bodies and the rates dV that the
+  /// twists have if the joint velocities are constant. Both are in inertial axes, for each body about the
+  /// origin of the first body on the path from the ground to it.
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
@@ -170,11 +171,11 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// motion and the loop equations for velocities must have been computed.
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
-  /// Computes derivatives at the motion (q, v, a) of the bodies that was computed last, and adds them to
-  /// three matrices, which are stored row by row ((D6.10), (D6.11)). With the loop equations A v = 0 and
-  /// (A v)' = A a + γ, by_q and by_v (m × nv each) are the derivatives of (A v)' by q and by v.
-  /// constraint_forces_by_q (nv × nv) is the derivative by q of the constraint forces Aᵀ λ for constant
-  /// multipliers λ, which the caller gives. A must have been computed.
+  /// Computes derivatives of (A v)' = A a + γ, for the loop equations A v = 0, at the motion (q, v, a) of the
+  /// bodies that was computed last, and adds them to three matrices, which are stored row by row ((D6.10),
+  /// (D6.11)): the derivatives of (A v)' by q and v to by_q and by_v (m × nv each), and the derivative by q
+  /// of the constraint forces Aᵀ λ, for given constant multipliers λ, to constraint_forces_by_q (nv × nv). A
+  /// must have been computed.
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
   /// Computes the rate of Rᵀ λ (nv) for constant λ as the bodies move with the velocities of the last move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
@@ -198,12 +199,12 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// have no part in directions in which A M⁻¹ Aᵀ is small compared with μ times its diagonal entries (D7.9).
   /// A is the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
-  /// A number that says how near the loop equations A v = 0 were to being dependent when their multipliers
-  /// were computed last. Equations that the RowRank of that call marks as redundant do not count. The number
-  /// is 1 if, in the factorisation of A M⁻¹ Aᵀ with the mass matrix M, each pivot was larger than 1e-3 d²
-  /// (float: 1e-2 d²), where d is the size of the pivot's equation, see scale(). Otherwise the number is the
-  /// least ratio of a pivot to d². If it is near 0, the configuration is nearly singular, and the
-  /// accelerations are those of a mechanism with more degrees of freedom.
+  /// A number from 1 (independent) to 0 (dependent) for the loop equations A v = 0 of the last computation of
+  /// multipliers. It is the least ratio of a pivot in the factorisation of A M⁻¹ Aᵀ, with the mass matrix M,
+  /// to d², where d is the size of the pivot's equation, see scale(); but 1 if all these ratios are larger
+  /// than 1e-3 (float: 1e-2). Equations that the RowRank of that computation marks as redundant do not count.
+  /// If the number is near 0, the configuration is nearly singular, and the accelerations are those of a
+  /// mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -253,8 +254,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Computes accelerations, and multipliers of the loop equations, by the articulated-body algorithm without
   /// estimates of rounding errors (D4.12). Returns false, without results, if the model has couplings (loop
   /// equations between joint coordinates) or coupled joints (joints whose coordinate depends on that of
-  /// another joint and that share its velocity), if a pivot of the mass matrix is too small, or if the
-  /// Jacobian of all equations of a loop is close to 0.
+  /// another joint and that share its velocity), if the mass matrix may be singular, or if all equations of a
+  /// loop may be rounding errors, because their diagonal entries of A M⁻¹ Aᵀ are close to 0 (A: their
+  /// Jacobian, M: mass matrix).
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
