@@ -47,11 +47,13 @@ Eigen::MatrixXd coriolis_matrix(const Model& model, std::span<const double> q, s
 Eigen::VectorXd lagrange_equations(const Model& model, std::span<const double> q, std::span<const double> v,
                                    std::span<const double> a, const Loads<double>& loads = {});
 
-/// Christoffel symbols of the first kind with Binet's inertia tensor (eq. GammaBinet with erratum 26), Γ_ijk
-/// = Σ_l tr(Ĵ_li P_l (Ĵ_lj Ĵ_lk)ᵀ) if j is not after k on a path; otherwise j and k are exchanged. Ĵ_li is
-/// the 4×4 matrix of column i of the body-fixed Jacobian of body l, and P_l = [[ϑ_l, m c], [m cᵀ, m]] has
-/// Binet's tensor ϑ_l, the mass m and the centre of mass c of body l. nv³ entries, Γ_ijk at [(i nv + j) nv +
-/// k]. Throws std::invalid_argument if a joint has several degrees of freedom. O(n⁴).
+/// Christoffel symbols of the first kind with Binet's inertia tensor (eq. GammaBinet with erratum 26):
+///   Γ_ijk = Σ_l tr(Ĵ_li P_l (Ĵ_lj Ĵ_lk)ᵀ),
+/// summed over the bodies l that the joints of i, j and k all move, if the joint of j is that of k or nearer
+/// to the ground; otherwise j and k are exchanged. Ĵ_li is the 4×4 matrix of column i of the body-fixed
+/// Jacobian of body l, and P_l = [[ϑ_l, m c], [m cᵀ, m]] has Binet's tensor ϑ_l, the mass m and the centre of
+/// mass c of body l. nv³ entries, Γ_ijk at [(i nv + j) nv + k]. Throws std::invalid_argument if a joint has
+/// several degrees of freedom. O(n⁴).
 std::vector<double> christoffel(const Model& model, std::span<const double> q);
 
 }  // namespace axode::closed_form

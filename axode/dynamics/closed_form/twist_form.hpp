@@ -5,11 +5,11 @@
 
 namespace axode {
 
-/// The equations of motion for the state (q, V), where V are the twists of all bodies in their own frames.
-/// From q, V and the drive forces it computes the joint velocities v (nv entries), with which q changes, and
-/// the rates dV of the twists (n_bodies entries). If the joints do not allow V, the relative twists of
-/// neighbouring bodies are projected onto the joint screws (least squares). If the mass matrix is singular,
-/// the returned Solvability says so, and dV is NaN. O(n).
+/// The equations of motion for the state (q, V), where V are the twists of all bodies in any of the four
+/// representations. From q, V and the drive forces, twist_form() computes the joint velocities v (nv entries)
+/// and the rates dV of the twists (n_bodies entries). If V is not compatible with the joints, the relative
+/// twists of neighbouring bodies are projected onto the joint screws (least squares). If the mass matrix is
+/// singular, the returned Solvability says so, and dV is NaN. O(n).
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability twist_form(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        std::type_identity_t<std::span<const Twist<Rep, T>>> V, Numbers<T> tau,
