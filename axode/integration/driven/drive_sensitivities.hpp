@@ -7,37 +7,37 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Sensitivities of the motion of a mechanism with drives that have states, integrated from time t in K equal
-/// steps as by batch::rollout() under drive forces tau that are constant in each step. They are the
-/// derivatives of the numerical method. If the law of a drive changes its form, for example at a limit, they
-/// take into account that the time of the change depends on the state (D17.20). They are exact except for two
-/// effects at a change whose time depends on the state: they neglect jumps of states at the change, and an
-/// explicit dependence of laws on time, other than through inputs that are functions of time. Displacements
-/// and gradients of q are left-trivialised, along q ⊕ ε dq. The components of loads are constant in the
-/// representation in which they are given. If loads.joint_losses is set, joint damping and friction act;
-/// Coulomb friction has the derivative 0. Springs, dampers and stops of the model act.
+/// Derivatives of the motion of a mechanism with drives that have states, integrated from time t in K equal
+/// steps by the method of batch::rollout() under drive forces tau that are constant in each step. They are
+/// those of the numerical method. If the law of a drive changes its form, for example at a limit, they take
+/// into account that the time of the change depends on the state (D17.20). Two effects at such a change are
+/// neglected: jumps of states, and an explicit dependence of laws on time other than through inputs that are
+/// functions of time. Displacements and gradients of q are left-trivialised, along q ⊕ ε dq. The components
+/// of loads are constant in the representation in which they are given. If loads.joint_losses is set, joint
+/// damping and friction act; Coulomb friction has the derivative 0. Springs, dampers and stops act.
 ///
-/// If x is empty, the drives choose their initial states, which are then taken as independent of q and v.
-/// Throws std::invalid_argument for wrong sizes, numbers of the initial state that are not finite,
-/// quaternions that are not of unit norm, a load on a frame that does not exist, step <= 0, a faulty tableau,
+/// If the initial states x of the drives are empty, the drives choose them, and they are taken as independent
+/// of q and v. If the returned status is not ok(), because the motion cannot continue, because laws change
+/// their forms without end or because monitor() returned false, all results are NaN. The functions allocate.
+/// They throw std::invalid_argument for wrong sizes, an initial time or state that is not finite, quaternions
+/// that are not of unit norm, a load on a frame that does not exist, step <= 0, a faulty Butcher tableau,
 /// results that share memory with arguments, and mechanisms with loops, prescribed motions or couplings with
-/// play. If the returned status is not ok(), because the motion cannot continue or laws change their forms
-/// without end, all results are NaN. The functions allocate.
+/// play.
 namespace axode {
 
-/// Receives the states (q, v, x) of a motion of K steps, K + 1 rows of each, where x are the nx states of the
-/// drives. For each step it also receives, row by row, the derivatives of the state at its end: A (n × n with
-/// n = 2nv + nx) by the state at its start, B (n × nv) by the drive forces τ and C (n × nu) by constants
-/// added to the inputs that are functions of time, nu inputs in the order of their drives. The first nv rows,
-/// and columns of A, are those of q, the next nv those of v. The spans must not overlap.
+/// Receives the states (q, v, x) of a motion of K steps, K + 1 rows each, where x are the nx states of the
+/// drives. It also receives the derivatives of the state at the end of each step, row by row: A (n × n with n
+/// = 2nv + nx) by the state at the start of the step, B (n × nv) by the drive forces τ, and C (n × nu) by
+/// constants that are added to the nu inputs that are functions of time, in the order of their drives. The
+/// first nv rows, and columns of A, are those of q, and the next nv those of v. The spans must not overlap.
 struct DriveRolloutDerivatives {
   std::span<double> q, v, x, A, B, C;
 };
 /// Computes a motion of K steps of length `step` (s) that begins at time t (s) in the state (q, v, x), with
 /// the states x of the drives (nx numbers, or none to let the drives choose), under the drive forces `tau` (K
 /// rows of nv numbers). Also computes, for each step, the derivatives of the state at its end by the state at
-/// its start, by the drive forces and by the inputs of the drives. Each stage of the method costs O(n³) for n
-/// = 2nv + nx. If monitor() returns false, the computation ends.
+/// its start, by the drive forces and by the inputs of the drives. Each stage of the Runge-Kutta method costs
+/// O(n³) for n = 2nv + nx. If monitor() returns false, the computation ends, and all results are NaN.
 Solvability rollout_derivatives_with_drives(const Model& model, const DriveSystem& drives, double t,
                                             std::span<const double> q, std::span<const double> v,
                                             std::span<const double> x, std::span<const double> tau,
