@@ -22,15 +22,15 @@ enum class Base {
   free,
 };
 
-/// Reads the mechanism in a file and builds its Model. The format follows from the ending of the name:
-/// `.toml` is a drawing, the format of this library, `.urdf` a URDF, `.sdf` and `.world` SDFormat. Any other
-/// file is read by its root element if it is XML, otherwise as a drawing. Throws ModelError with every fault
-/// of the file; warnings are in Model::warnings().
+/// Reads the mechanism in a file and builds its Model. The ending of the file's name determines the format:
+/// `.toml` is a drawing (the text format of this library), `.urdf` a URDF, `.sdf` and `.world` SDFormat.
+/// Other XML files are read as URDF or SDFormat according to their root element, and all other files as
+/// drawings. Throws ModelError with every fault of the file; warnings are in Model::warnings().
 ///
-/// If `strictness` is lenient, the reader of any format accepts the following defects with a warning: an
-/// inertia that no mass distribution has, a lower limit above the upper one (both limits are removed), and a
-/// coupled joint whose leader does not exist (it moves on its own). In a URDF it also accepts a wrong scale
-/// of a mesh and an element that is repeated word for word.
+/// If `strictness` is lenient, the following defects are accepted with a warning: an inertia that no mass
+/// distribution has, a lower limit above the upper one (both limits are removed), and a coupled joint whose
+/// leader does not exist (it becomes independent). In a URDF a wrong scale of a mesh, and an element that is
+/// repeated word for word, are accepted too.
 Model load(const std::filesystem::path& file, Base base = Base::as_described,
            Strictness strictness = Strictness::lenient);
 

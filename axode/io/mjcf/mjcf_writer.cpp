@@ -128,10 +128,10 @@ class MjcfWriter {
   };
 
   /// Removes moving massless bodies, which MuJoCo refuses, and gives their joints to their child in addition
-  /// to its own joint. A body is removed only if it has exactly one child, which moves relative to it, and no
-  /// shape, frame, spring or loop is attached to it. The child may then have at most most_joints joints, none
-  /// of them free. Every other moving massless body remains, and find_faults() adds an error for it unless a
-  /// body with mass is fixed to it.
+  /// to its own joint. A body is removed only if it has exactly one child, which moves relative to it, if no
+  /// shape, frame, spring or loop is attached to it, and if the child then has at most most_joints joints,
+  /// none of them free. Any other moving massless body remains; it is an error unless a body with mass is
+  /// fixed to it.
   void merge_massless() {
     std::unordered_set<std::string> asked;
     for (const FrameDescription& frame : d_.frames) asked.insert(frame.body);
