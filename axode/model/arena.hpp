@@ -43,12 +43,13 @@ class Arena {
     next_ += -next_ % line;
     return array<U>(n);
   }
-  /// These functions take an array from the arena with one entry for each element that the name says;
-  /// per_body() has an entry for the ground as well. The last three are for coupled joints: a tie is a pair
-  /// of a velocity that several joints share and a body on the paths from these joints to the body where the
-  /// paths meet. per_tie_and_screw() has an entry for each tie and each screw of the joint of its body.
-  /// per_pair_of_ties() has an entry for each ordered pair of ties of one body whose velocities the
-  /// elimination of velocities can couple (a group of Topology::Ties), and for each tie with itself.
+  /// Each function takes an array from the arena: per_body() with an entry for the ground and each body,
+  /// per_screw() for each joint screw, and per_velocity() for each joint velocity. The last three are for
+  /// coupled joints. A tie is a pair of a velocity that several joints share and a body on the paths from
+  /// these joints to the body where the paths meet. per_tie() has an entry for each tie, per_tie_and_screw()
+  /// for each tie and each screw of the joint of its body, and per_pair_of_ties() for each ordered pair of
+  /// ties of one body that the elimination of velocities can couple (ties of a group of Topology::Ties), each
+  /// tie with itself included.
   template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
   template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
   template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }

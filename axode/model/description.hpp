@@ -230,12 +230,13 @@ struct LoopDescription {
   std::array<Vec3<>, 2> points = {};      ///< ends of a rod, or centres of the pulleys of a belt, m
   Vec3<> center{};                        ///< centre of the rolling body, m
   std::optional<Vec3<>> wheel_axis = {};  ///< axis of a rolling wheel; empty: the body is a sphere
-  /// The joint frames, given in the frames of the two bodies, as an alternative to axis and point. In general
-  /// z is the axis and the origin is the point. For a universal joint z is the first axis in the first frame
-  /// and the second axis in the second frame. For a rod the origins are its ends. For a rolling contact z of
-  /// the first frame is the normal of the plane; the origin of the second frame is the centre of the rolling
-  /// body, and its z is the axis if this is a wheel. For a belt the origins are the centres of the pulleys,
-  /// and z is the axis about which they turn.
+  /// The joint frames in the frames of the two bodies, instead of axis and point. The z-axis is the joint
+  /// axis and the origin is the point, except:
+  ///   - universal joint: z is the first axis in the first frame, and the second axis in the second frame;
+  ///   - rod (keeps two points at a fixed distance): the origins are these points;
+  ///   - rolling contact: z of the first frame is the normal of the plane, the origin of the second frame is
+  ///     the centre of the rolling body, and z of the second frame is its axis if it is a wheel;
+  ///   - belt: the origins are the centres of the pulleys, and z is the axis about which they turn.
   std::optional<std::array<SE3<>, 2>> frames = {};
   std::optional<double> length = {};  ///< length of a rod, m; empty: the distance of `points`
   std::optional<double> radius = {};  ///< radius of a rolling body, m; empty: it follows from `center`
