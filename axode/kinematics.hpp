@@ -13,5 +13,5 @@
 /// twists, is BodyFixed, Spatial, Hybrid or Mixed. q has nq, v and a have nv entries. Results for frames have
 /// n_frames entries: the ground, the bodies, and the other frames. Functions that are documented as O(n)
 /// allocate nothing. The functions throw std::invalid_argument for an argument of a wrong size, for a
-/// quaternion that is not of unit norm, and, unless the result would be correct, for a result that shares
-/// memory with an argument.
+/// quaternion that is not of unit norm, and for a result that shares memory with an argument, if the result
+/// would be wrong.
