@@ -3,12 +3,11 @@
 
 namespace axode::codegen {
 
-/// Orders statements such that few results are live at a time, for processors whose memory is slow compared
-/// with their registers. operands[k] are the statements whose results statement k uses; the results of the
-/// statements `lasting` are live to the end. The next statement is always the one, of all whose operands have
-/// been computed, after which the fewest results are live. If there are several such statements, the one
-/// whose operands were computed last is next, so that a branch of the mechanism is completed before another
-/// one begins. O(n log n) for n statements.
+/// Returns the n statements of a program without branches in an order in which few results are live at a
+/// time, so that few registers are needed. operands[k] are the statements whose results statement k uses. A
+/// result is live until the last statement that uses it, or to the end if its statement is in `lasting`. Of
+/// the statements whose operands have all been computed, the next one is that after which the fewest results
+/// are live. If there are several, it is the one whose last operand was computed most recently. O(n log n).
 std::vector<int> order_for_few_registers(const std::vector<std::vector<int>>& operands,
                                          const std::vector<int>& lasting);
 
