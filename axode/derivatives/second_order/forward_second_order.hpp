@@ -4,11 +4,12 @@
 
 namespace axode {
 
-/// Computes the second derivatives of w·a, the sum of the accelerations a of forward dynamics with weights w,
-/// along the pairs of directions (q, q), (q, v), (v, v) and (τ, q), and writes them to the blocks of H; H.aq
-/// receives those along (τ, q) ((D2.9) of docs/derivations). Before the call, `second` must have computed the
-/// second derivatives of inverse dynamics at the accelerations a, with the weights -M⁻¹ w, where M is the
-/// mass matrix. solve(X) must replace a matrix X of nv columns by M⁻¹ X.
+/// Computes the second derivatives of w·a by the pairs of variables (q, q), (q, v), (v, v) and (τ, q), with
+/// the accelerations a of forward dynamics and constant weights w ((D2.9) of docs/derivations). Writes them
+/// to the blocks of H, nv × nv numbers each; H.aq receives those by (τ, q). Before the call,
+/// SecondOrder::run() must have computed in `second` the quantities from which the second derivatives of
+/// inverse dynamics follow, at the accelerations a and for the weights -M⁻¹ w with the mass matrix M.
+/// solve(X) must replace an nv × nv matrix X by M⁻¹ X.
 template <class T, class Real, class Solve>
 void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Loads<T>& loads,
                         const HessianBlocks<T>& H, const Solve& solve) noexcept {

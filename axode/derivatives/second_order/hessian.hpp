@@ -3,14 +3,15 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Second derivatives of weighted sums of the forces τ or accelerations a, as optimal control needs them,
-/// without a tensor.
+/// Second derivatives of a weighted sum of the forces τ of inverse dynamics or of the accelerations a of
+/// forward dynamics.
 ///
-/// A matrix of second derivatives has nv × nv numbers, row by row. Its entry [k][l] is the derivative along
-/// direction k, the outer one, of the derivative along direction l, the inner one. For a joint with several
-/// velocities, the displacement k of q comes before l: q ⊕ ε_k e_k ⊕ ε_l e_l. Hence the matrix for the
-/// directions (q, q) is symmetric except within such joints, where the entries [k][l] and [l][k] differ by
-/// the derivative along the bracket [e_k, e_l]. Results must not overlap.
+/// For a pair of variables, for example (q, v), they are a matrix of nv × nv numbers, row by row. Its entry
+/// [k][l] is the derivative by component k of the first variable (outer) and component l of the second one
+/// (inner). Derivatives by q are along the left-trivialised unit directions e_k. In the matrix for (q, q),
+/// the displacement along e_k comes first: q ⊕ ε_k e_k ⊕ ε_l e_l. Hence this matrix is symmetric except for
+/// two directions of one joint with several velocities, where the entries [k][l] and [l][k] differ by the
+/// derivative along the bracket [e_k, e_l]. Results must not overlap.
 namespace axode {
 
 /// Receives the second derivatives of Σ_i w_i τ_i, the forces of inverse dynamics with weights w, along the

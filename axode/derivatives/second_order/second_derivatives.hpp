@@ -2,11 +2,13 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Second derivatives of every component of τ or a, without loads. A tensor has nv × nv × nv numbers,
-/// [component][outer derivative][inner derivative]. For the outer direction k and the inner direction l of
-/// q they are derivatives of a function of q ⊕ ε_k e_k ⊕ ε_l e_l: if k and l belong to one joint with
-/// several velocities, q is displaced along k first, and then along l. If only a weighted sum of the
-/// components is needed, the functions in hessian.hpp are faster. No allocation. Results must not overlap.
+/// Second derivatives of every component of the forces τ of inverse dynamics or of the accelerations a of
+/// forward dynamics, without loads. For a pair of variables, for example (q, v), they are a tensor of nv³
+/// numbers. Its entry [i][k][l] is the derivative of component i by component k of the first variable (outer)
+/// and component l of the second one (inner). Derivatives by q are along the left-trivialised unit directions
+/// e_k. In the tensor for (q, q), the displacement along e_k comes first: q ⊕ ε_k e_k ⊕ ε_l e_l. The order
+/// matters only within one joint with several velocities. If only a weighted sum of the components is needed,
+/// the functions in hessian.hpp are faster. No allocation. Results must not overlap.
 namespace axode {
 
 /// Receives the second derivatives of τ of inverse dynamics along the pairs of directions (q, q), (q, v), (v,

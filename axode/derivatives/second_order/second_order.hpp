@@ -4,12 +4,13 @@
 
 namespace axode {
 
-/// Quantities of a body with the inertia M and the Coriolis inertia B, for the twist Λ that it would have if
-/// the joints moved with given weights λ as velocities: the wrench A = M Λ, the moment H of the wrench Bᵀ Λ,
-/// which has no force, and the 3 × 3 block D of the Coriolis inertia 2 [[D, 0], [-p~, 0]] that the body would
-/// have with the twist Λ instead of its own. In this matrix p is the linear part of A = M Λ, and p~ the
-/// matrix with p~ x = p × x. The derivatives of the gradient of λ·τ, with the forces τ of inverse dynamics,
-/// follow from sums of these quantities over subtrees ((D1.21) and (D2.2) of docs/derivations).
+/// Quantities of a body, or their sums over a subtree, from which the derivatives of the gradient of λ·τ
+/// follow, with the forces τ of inverse dynamics and constant weights λ ((D1.21) and (D2.2) of
+/// docs/derivations). Λ is the twist that the body would have if the joints moved with the velocities λ. A is
+/// the momentum M Λ with the inertia M of the body. H is the moment of the wrench Bᵀ Λ with the Coriolis
+/// inertia B of the body; the force of this wrench is 0. D is the 3 × 3 block of the Coriolis inertia that
+/// the body would have with the twist Λ, 2 [[D, 0], [-p~, 0]], where p is the linear part of A, and p~ the
+/// matrix with p~ x = p × x.
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;
@@ -35,12 +36,12 @@ template <class T> struct VirtualMomentum {
   constexpr CoriolisInertia<T> B() const { return {D, A.f}; }
 };
 
-/// The screws and wrenches that belong to one joint screw S and are needed for second derivatives of λ·τ,
-/// with the forces τ of inverse dynamics and constant weights λ, in addition to ScrewEffects. The second
-/// derivatives are sums of powers of a wrench that belongs to one joint screw on a screw that belongs to
-/// another ((D2.7) and (D2.8) of docs/derivations). `chi` is the bracket [Λ_p, S], and `psi_1` is [V_p,
-/// S]. V_p is the twist of the predecessor, and Λ_p the twist that it would have if the joints moved with
-/// the weights λ as velocities.
+/// The screws and wrenches of a joint screw S that second derivatives of λ·τ need in addition to
+/// ScrewEffects, which first derivatives need. τ are the forces of inverse dynamics, and λ constant weights.
+/// The second derivatives are sums of powers of a wrench that belongs to one joint screw on a screw that
+/// belongs to another ((D2.7) and (D2.8) of docs/derivations). `chi` is the bracket [Λ_p, S], and `psi_1` is
+/// [V_p, S]. V_p is the twist of the predecessor, and Λ_p the twist that it would have if the joints moved
+/// with the velocities λ.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
   Wrench<Spatial, T> X, Y, Z;
@@ -48,15 +49,15 @@ template <class T> struct ScrewCurvature {
 
   static constexpr int size = 42;  ///< number of numbers of all members, and of a wrench Q due to loads
 
-  /// Computes the screws and wrenches (D2.7) that belong to a joint screw S:
+  /// Computes the screws and wrenches (D2.7) that belong to a joint screw S, for second derivatives of λ·τ
+  /// with the forces τ of inverse dynamics and constant weights λ:
   ///   chi = [Λ_p, S],   psi_1 = [V_p, S],   AS = -ad_Sᵀ A,   Y = M chi + AS,   Z = 2 AS - B_Λ S,
   ///   X = Bᵀ chi - B_Λ psi_1 - ad_Sᵀ (H; 0) - 2 ad_psi_1ᵀ A.
-  /// V_p is the twist of the predecessor. Λ_p (`Lambda_p`) and Λ are the twists that the predecessor and a
-  /// body of the subtree would have if the joints moved with the weights λ of λ·τ as velocities. `moved` has
-  /// the inertia M and the Coriolis inertia B of the subtree. `momentum` has three sums over the bodies of
-  /// the subtree: the wrench A, the sum of M Λ with the inertia M of each body; the moment H of the sum of
-  /// the wrenches Bᵀ Λ, whose forces are 0; and the Coriolis inertia B_Λ that bodies with the twists Λ would
-  /// have.
+  /// V_p is the twist of the predecessor. Λ_p (`Lambda_p`) is the twist that it would have if the joints
+  /// moved with the velocities λ, and Λ the corresponding twist of a body. `moved` has the inertia M and the
+  /// Coriolis inertia B of the subtree. `momentum` has sums over the bodies of the subtree, each with its own
+  /// M, B and Λ: A of M Λ, H of the moments of Bᵀ Λ, and B_Λ of the Coriolis inertias that the bodies would
+  /// have with the twists Λ.
   [[gnu::always_inline]] static constexpr ScrewCurvature of(const MovingInertia<T>& moved,
                                                             const VirtualMomentum<T>& momentum,
                                                             const Motion6<T>& S, const Motion6<T>& V_p,
@@ -71,20 +72,18 @@ template <class T> struct ScrewCurvature {
   }
 };
 
-/// Receives the second derivatives of a weighted sum of the forces of inverse dynamics or of the
-/// accelerations of forward dynamics. They are along the pairs of directions (q, q), (q, v), (v, v) and a
-/// fourth pair, which is (a, q) for inverse and (τ, q) for forward dynamics: nv × nv numbers each, [outer
-/// derivative][inner derivative]. qq is symmetric, except for two directions k (outer) and l (inner) of
-/// one joint with several velocities: its entry belongs to q ⊕ ε_k e_k ⊕ ε_l e_l, where q is displaced
-/// along k first, and then along l.
+/// Receives the second derivatives of a weighted sum of the forces of inverse dynamics by the pairs of
+/// variables (q, q), (q, v), (v, v) and (a, q), or of the accelerations of forward dynamics by (q, q), (q,
+/// v), (v, v) and, in `aq`, (τ, q). Each block has nv × nv numbers, [component of the first
+/// variable][component of the second]. Entry [k][l] of qq is the derivative by ε_k and ε_l of the sum at q ⊕
+/// ε_k e_k ⊕ ε_l e_l. It differs from entry [l][k] only if k and l belong to one joint with several
+/// velocities.
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
 /// Computes the second partial derivatives of λ·τ, the sum of the forces τ of inverse dynamics with constant
 /// weights λ, by the pairs of variables (q, q), (q, v), (v, v) and (a, q); those by (v, a) and (a, a) are 0.
-/// It takes O(n d) on paths of d velocities: about 400 products and sums for a hinge, and 114 for each pair
-/// of a joint and a joint before it on its path. In code with SIMD lanes a pair takes 160, because the
-/// derivatives by q twice and by v twice are computed above and below the diagonal, although they are equal
-/// there.
+/// O(n d) for n bodies with d velocities on their paths to the ground: about 400 products and sums for a
+/// hinge, and 114 for each pair of a joint and a joint before it on its path.
 template <class T> struct SecondOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -185,11 +184,11 @@ template <class T> struct SecondOrder {
     Lambda.load(i, x);
     return {Lambda.vector(x, 0), Lambda.vector(x, 4)};
   }
-  /// Computes for each body the matrix K that loads add to the second derivatives of λ·τ (D2.8). K maps a
-  /// screw Y to a wrench. The power of this wrench K Y on a screw X is minus the sum, over the loads W on the
-  /// body, of the powers of the wrenches L(Y) (L(X) W) on the twist Λ. L(X) W is the change of a load W when
-  /// its body is displaced along X, see load_change(). Λ is the twist that the body would have if the joints
-  /// moved with the weights λ as velocities.
+  /// Computes for each body the matrix K that loads add to the second derivatives of λ·τ, with the forces τ
+  /// of inverse dynamics and constant weights λ (D2.8). For two screws X and Y, the power of the wrench K Y
+  /// on X is minus the sum of the powers of the wrenches L(Y) (L(X) W) on the twist Λ, over the loads W on
+  /// the body. L(X) W is the change of W if the body is displaced along X, see load_change(). Λ is the twist
+  /// that the body would have if the joints moved with the velocities λ.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
@@ -241,12 +240,12 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// The numbers to subtract, for screw S_l and the screws S_k, S_{k+1}, ... of the same joint, one in each
-  /// lane, from the second derivatives of λ·τ by their velocities as the formula for screws of two different
-  /// joints gives them (D2.8). The formula has one bracket too many, because the velocity along S_l does not
-  /// change the twist of the predecessor of the joint. The numbers are the powers of the wrenches -ad_{S_k}ᵀ
-  /// A on S_l. A is the sum of M Λ over the subtree, where M is the inertia of a body and Λ the twist that it
-  /// would have if the joints moved with the weights λ as velocities.
+  /// Returns terms of second derivatives of λ·τ by two velocities, with the forces τ of inverse dynamics and
+  /// constant weights λ (D2.8). The formula for screws of two different joints contains them, but they must
+  /// be subtracted if both screws, S_l and S_c, belong to one joint, because the velocity along S_l does not
+  /// change the twist of the predecessor of this joint. Lane c - k has the term for S_c, the power of the
+  /// wrench -ad_{S_c}ᵀ A on S_l. A is the sum of M Λ over the bodies of the subtree, where M is the inertia
+  /// of a body and Λ the twist that it would have if the joints moved with the velocities λ.
   [[gnu::always_inline]] Number own_bracket(int l, int k) const {
     return product(first.effect, Part::S, l, curvature, AS, k);
   }
@@ -300,9 +299,10 @@ template <class T> struct SecondOrder {
       store_row<T>(x.aq, r, c, nv, H.aq + at);
     }
   }
-  /// Returns the entries of row r in the columns from c on, if the joint of the row is before the joint of
-  /// the column on a path from the ground, or is the same joint (D2.8). In a joint, entries by a and q are
-  /// those of below(), and own_bracket() must be subtracted from those by v twice.
+  /// Returns the entries of the four blocks of HessianBlocks in row r and the columns c, c + 1, ..., one
+  /// column in each lane (D2.8). They are valid if the joint of the row is before the joint of the column on
+  /// a path from the ground. If both are the same joint, own_bracket() must be subtracted from the entries of
+  /// the block vv, and the entries of the block aq are those that below() returns.
   [[gnu::always_inline]] Entries above(int r, int c, bool loaded) const {
     const Arrays<T> e = first.effect, d = curvature;
     Number qq = product(d, chi, r, e, Part::P, c) + product(e, Part::psi_2, r, d, Y, c) +
@@ -311,8 +311,8 @@ template <class T> struct SecondOrder {
     return {qq, product(d, chi, r, e, Part::R, c) + product(d, psi_1, r, d, Z, c),
             product(e, Part::S, r, d, Z, c), product(e, Part::S, r, d, Y, c)};
   }
-  /// Returns the entries of row r in the columns from c on, if the joint of the row is in the subtree of the
-  /// joint of the column (D2.8).
+  /// Returns the entries of the four blocks of HessianBlocks in row r and the columns c, c + 1, ..., one
+  /// column in each lane, if the joint of the row is in the subtree of the joint of the column (D2.8).
   [[gnu::always_inline]] Entries below(int r, int c, bool loaded) const {
     const Arrays<T> e = first.effect, d = curvature;
     Number qq = product(e, Part::P, r, d, chi, c) + product(d, Y, r, e, Part::psi_2, c) +
@@ -329,14 +329,11 @@ template <class T> struct SecondOrder {
     for (int m = 1; m < 6; ++m) sum = sum + x[m * of_row.stride] * L::load(y + m * of_columns.stride);
     return sum;
   }
-  /// Computes six second derivatives (D2.8) of λ·τ, the sum of the forces τ of inverse dynamics with constant
-  /// weights λ, along the directions of joint screw l and of each joint screw c from `begin` to `end` - 1.
-  /// They are those by q twice, by q and v in both orders, by v twice, and by a and q in both orders. Each of
-  /// them is a sum of powers W | X of wrenches W of screw c on screws X of screw l, which are members of
-  /// ScrewEffects and ScrewCurvature. Writes them to entry c of the arrays 0 to 5 of `line`. If both screws
-  /// belong to one joint, the derivative by v twice contains a term too much, because the velocity along
-  /// screw l does not change the twist of the predecessor. The caller must subtract this term, which
-  /// own_bracket() computes: it is written to array 6 for the screws of the joint, those before `next`.
+  /// Computes second derivatives (D2.8) of λ·τ, with the forces τ of inverse dynamics and constant weights λ,
+  /// for the joint screw l and each joint screw c from `begin` to `end` - 1 in the subtree of its joint.
+  /// Writes them to entry c of six arrays of `line`: those by q_l and q_c, by q_l and v_c, by q_c and v_l, by
+  /// v_l and v_c, by a_c and q_l, by a_l and q_c. If both screws belong to one joint (c < `next`), the arrays
+  /// 2 and 5 are not valid, and the caller must subtract array 6, the terms own_bracket(), from array 3.
   void multiply(int l, int begin, int next, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

@@ -9,10 +9,10 @@
 namespace axode {
 
 /// A load W (an external wrench) and the first two time derivatives of its components, all as wrenches on the
-/// body in body axes. In its representation (body-fixed, spatial, hybrid or mixed) the components of the load
-/// are constant. In the frame on which it acts, whose twist is V, they change at the rate L(V) W, see
-/// load_change(). L(V) W is the change of W if the frame is displaced along V. See (D3.4) of
-/// docs/derivations.
+/// body in body axes. The components of the load in its own representation (body-fixed, spatial, hybrid or
+/// mixed) are constant. If the frame on which it acts has the twist V, its components in that frame change at
+/// the rate L(V) W, the change of W if the frame is displaced along V (see load_change() and (D3.4) of
+/// docs/derivations).
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 

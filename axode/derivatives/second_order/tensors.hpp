@@ -10,11 +10,11 @@ namespace axode {
 template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 
 /// Computes the second partial derivatives of all components of the forces τ of inverse dynamics by the pairs
-/// of variables (q, q), (q, v), (v, v) and (a, q), by (D2.10) to (D2.15) of docs/derivations. Each entry
-/// belongs to three joint screws on one path to the ground: S_d, whose joint is the farthest from the ground,
-/// S_j and S_l. It is a sum of powers of wrenches on S_j or on a rate of it. The wrenches are linear in S_d
-/// and in S_l or a rate of it, and depend on the inertia and the motion of the subtree of S_d. O(n d²) on
-/// paths of d velocities, in addition to the time to write nv³ zeros.
+/// of variables (q, q), (q, v), (v, v) and (a, q), by (D2.10) to (D2.15) of docs/derivations. An entry can
+/// differ from 0 only if its three joint screws are on one path to the ground. It is then a sum of powers of
+/// wrenches on screws, where the wrenches depend on the inertia and the motion of the subtree of the joint
+/// that is farthest from the ground. O(n d²) for n bodies with d velocities on their paths to the ground, in
+/// addition to the time to write the zeros.
 template <class T> struct SecondOrderTensors {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -156,15 +156,11 @@ template <class T> struct SecondOrderTensors {
   }
   /// Computes the products (D2.11) of which the second derivatives of inverse dynamics consist, for three
   /// joint screws on one path to the ground: S_d, whose joint is the farthest from the ground, S_j, and each
-  /// screw S_c of the path in turn. A product is the power of a wrench on S_j or on ψ'_j. compute_wrenches()
-  /// has stored the wrenches for S_d and each S_c in `wrench`. They are sums of wrenches B X and ±ad_Xᵀ W. B
-  /// is a Coriolis inertia, a matrix that maps a twist to the wrench of Coriolis accelerations, and W a
-  /// wrench; B and W belong to S_d and its subtree. X is S_c or one of its rates ψ'_c, ψ''_c and σ_c. For any
-  /// joint screw S,
-  ///   ψ' = [V_p, S],   ψ'' = [V'_p, S] + [V_p, ψ'],   σ = ψ' + [V, S],
-  /// with the twist V_p of the predecessor and the twist V of the body that the joint moves. Writes the
-  /// products to entry c of the arrays of `line`, see Products. The joint of screw j has the screws from
-  /// begin_j to end_j - 1.
+  /// screw S_c of the path in turn. A product is the power of a wrench on S_j, or on ψ'_j = [V_p, S_j] with
+  /// the twist V_p of the predecessor of the joint of S_j. The wrenches belong to S_d and S_c; before the
+  /// call, compute_wrenches() must have stored them in `wrench`. Writes the products to entry c of the arrays
+  /// of `line`, see Products. The joint of S_j has the screws from begin_j to end_j - 1 of the path. Two of
+  /// the products, h and H, are computed only for c < end_j.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
