@@ -144,11 +144,13 @@ Failure ContactMotion::take(double t_1, ComputedContactStep& step) {
   return {};
 }
 
-/// The errors of a step of length h, as multiples of the tolerances: the root mean square of the differences
-/// between the ends of the whole step and of its two halves, each divided by its tolerance, or, if it is
-/// larger, the displacement `unresolved` (m) divided by the sum of the absolute and the relative tolerance.
-/// `unresolved` estimates an error that the differences do not show: a contact began to stick at an unknown
-/// time in the step.
+/// Computes two errors of a step of length h (s), as multiples of the tolerances, from the differences
+/// between the end of the whole step and the end of its two halves. The first is the root mean square of the
+/// differences of positions, velocities and drive states, each divided by its tolerance. In the second, a
+/// difference of velocities counts only as a displacement: its magnitude times h is added to that of the
+/// difference of positions. Neither error is less than `unresolved` (m) divided by the sum of the absolute
+/// and the relative tolerance. `unresolved` estimates an error that the differences do not show, which arises
+/// because a contact began to stick at an unknown time in the step.
 ContactMotion::Difference ContactMotion::difference(const ComputedContactStep& whole,
                                                     const ComputedContactStep& halves, double unresolved,
                                                     double h, const Tolerances& tolerances) {

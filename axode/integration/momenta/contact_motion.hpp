@@ -61,17 +61,15 @@ class ContactMotion {
 
   /// Takes equal steps from the present time until the end of the motion; the last one may be shorter.
   void take_steps(double step);
-  /// Takes adaptive steps until the end of the motion. Each step is computed as a whole and in two halves.
-  /// The halves are taken if both results agree; otherwise a shorter step is tried. If several contacts share
-  /// an impact, the velocities after it depend on its time within the step, so that the velocities of both
-  /// results may differ however short the step is. A step whose results differ is therefore taken under two
-  /// conditions. First, shorter steps do not help: a step that was at least a hundred times longer and would
-  /// have ended later than the present time was rejected, and its error was at most four times as large.
-  /// Second, the positions agree to the tolerances. In this comparison the error of each coordinate is the
-  /// magnitude of the difference between the two positions, plus h times the magnitude of the difference
-  /// between the two velocities, where h is the length of the step. Hence the velocities may differ by no
-  /// more than what displaces the mechanism by the tolerances in another step of this length. A step not
-  /// longer than 1e-9 of the duration of the motion is always taken.
+  /// Takes adaptive steps until the end of the motion. Each step is computed as a whole and in two halves. If
+  /// both results agree to the tolerances, the halves are taken; otherwise a shorter step is tried. If
+  /// several contacts share an impact, the velocities of both results may differ however short the step is.
+  /// Halves that disagree with the whole are therefore taken if two conditions hold. First, shorter steps do
+  /// not help: an earlier step that would have ended after the present time was rejected, was at least a
+  /// hundred times longer, and had an error at most four times as large. Second, the positions agree to the
+  /// tolerances, where h times the magnitude of the difference of velocities is added to the difference of
+  /// positions, with the length h of the step. A step not longer than 1e-9 of the duration of the motion is
+  /// always taken; if it cannot be computed, the motion ends.
   void take_steps(const Tolerances& tolerances);
   /// Lets a motion that has reached its end continue until a later time (s).
   void continue_until(double until);

@@ -24,14 +24,14 @@ class ContactStep {
   /// ContactSimulationRun::closed_model(). `dry_friction` says whether the dry friction of joints acts.
   ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
-  /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. x_0 are the states
-  /// of the drives at time t. Two things do not change in the step: the inputs of the drives, and their
-  /// statuses, the integers that say which form of each drive's law holds. A step that violates the laws of
-  /// contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16 parts. Allocates
-  /// only if there are more than 64 contacts and more than ever before, and in the first step in which the
-  /// iteration of the midpoint rule needs the Jacobian matrix of its equations (D8.6). Fails if the mass
-  /// matrix is singular, a number is not finite, there are too many points of contact, or
-  /// SimulationOptions::monitor, a function of the caller, returns false.
+  /// Computes the step of length h (s) from the configuration q_0 and the velocities v_0 at time t, and sets
+  /// the public members. x_0 are the states of the drives at time t. Their inputs, and their statuses
+  /// (integers that say which form of each drive's law holds), do not change in the step. If `certificate` is
+  /// above 1e-9, the step is repeated in 4, and then in 16 equal parts; the result of 16 parts is always
+  /// accepted. Allocates only if there are more than 64 contacts and more than ever before, and in the first
+  /// step that needs Newton's matrix of the midpoint rule (D8.6). Fails if the mass matrix is singular, a
+  /// number is not finite, there are too many points of contact, or SimulationOptions::monitor, a function of
+  /// the caller, returns false.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0 = {});
 
   /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.
@@ -68,11 +68,13 @@ class ContactStep {
         : system(model, rows, capacity, dry_friction), x(model.nv()), v(model.nv()) {}
     std::size_t rows() const { return system.problem().r.size(); }
   };
-  /// The multipliers of a contact that are stored for the next step. `start` has the multipliers at the start
-  /// of the last step. `guess` has the first guesses for the iterations of the next step, for the multipliers
-  /// at its start and for those at its end. The guess for the start is extrapolated linearly from the starts
-  /// of the last two steps if these steps have the same length and similar impulses; otherwise it is `start`.
-  /// The guess for the end has the multipliers at the end of the last step.
+  /// The multipliers of a contact (its normal impulse, and its friction impulses divided by the coefficient
+  /// of friction) that are stored for the next step. `start` has those at the start of the last step. `guess`
+  /// has first guesses for the iterations of the next step, for the multipliers at its start and at its end.
+  /// The guess for the end has the multipliers at the end of the last step, or 0 if the contact was not
+  /// active there. The guess for the start is `start`, or is extrapolated linearly from the starts of the
+  /// last two steps if these steps have the same length and the normal impulse was positive in the earlier
+  /// one and did not fall to half or less.
   struct Remembered {
     using Multipliers = std::array<double, LawBlock::most_rows>;
     std::uint64_t key;
@@ -93,11 +95,10 @@ class ContactStep {
   double rounding_error(double h) const;
   void set_compliances(double h);
   double unresolved_slip(double h) const;
-  /// Sets the right sides of the contact problem at the start of the step, whose unknowns are the impulses
-  /// there. They follow from the last free motion, between these impulses and those at the end of the step:
-  /// from the gaps of contacts and stops and the residuals of loops at its end, and from the sliding
-  /// velocities in its middle. If `choose` is true, also decides which contacts slide, and returns whether
-  /// this decision changed.
+  /// Sets the right sides of the equations for the impulses at the start of the step. They follow from the
+  /// free motion after these impulses that was computed last: from the gaps of contacts and stops and the
+  /// residuals of loops at the end of the step, and from the sliding velocities in its middle. If `choose` is
+  /// true, also decides which contacts slide, and returns whether this decision changed.
   bool set_r_of_start(double h, bool choose);
   /// Makes the constraint rows for the configuration at the end of the step, and computes the joint
   /// velocities there, before the impulses at the end. The free motion up to there begins after the impulses

@@ -57,10 +57,10 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
 }
 
 /// Differentiates the velocities and momenta after the impulses at the start of a substep (D11.19). A substep
-/// is a whole step or a part of one. Matrices of changes have k columns for the directions of
-/// differentiation, at constant multipliers, and then a column for each multiplier with the derivative by it.
-/// A multiplier is the impulse of a constraint row at the start of the substep, divided by the coefficient of
-/// friction if it is a friction row of a contact.
+/// is a step of a simulation or a part of one. Matrices of changes have k columns for the directions along
+/// which the step is differentiated, at constant multipliers, and then a column for each multiplier with the
+/// derivative by it. A multiplier is the impulse of a constraint row at the start of the substep, divided by
+/// the coefficient of friction if it is a friction row of a contact.
 bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, const Matrix& dv,
                                   const ContactDirections& directions, Start& out) {
   const Eigen::Index nv = dq.rows(), k = dq.cols();
@@ -126,12 +126,12 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   return true;
 }
 
-/// Computes the relative velocities at the contacts in the middle of a substep (a step or a part of one),
-/// between the impulses at its ends, and the changes of these velocities. The changes have k columns for the
-/// directions of differentiation, at constant multipliers, and then a column for each multiplier with the
-/// derivative by it. A multiplier is the impulse of a constraint row at the start, divided by the coefficient
-/// of friction if it is a friction row of a contact. The axes of a contact are those at the start, turned so
-/// that the first one is the normal in the middle.
+/// Computes the relative velocities at the contacts in the middle of a substep (a step of a simulation or a
+/// part of one) and their changes. The changes have k columns for the directions along which the step is
+/// differentiated, at constant multipliers, and then a column for each multiplier with the derivative by it.
+/// A multiplier is the impulse of a constraint row at the start of the substep, divided by the coefficient of
+/// friction if it is a friction row of a contact. The velocities of a contact are along its axes at the
+/// start, turned so that the first one is the normal in the middle.
 bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& start, const Flight& flight,
                                       Slip& out) {
   const int width = system_.contact_rows();
@@ -157,16 +157,20 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
 }
 
 /// Computes the velocities u of the constraint rows (of contacts, stops, dry friction and loops) that obey
-/// the laws of contact together with the impulses at the start of a substep (D11.13). A substep is a step or
-/// a part of one. For a stop or a normal of a contact, u is the gap at the end of the substep, divided by the
-/// length h of the substep. If the gap was already negative at the start, beyond rounding, u is instead the
-/// change of the gap in the substep, divided by h. For a loop, u is the residual at the end, divided by h,
-/// or, if the loop constrains velocities alone, as a rolling contact does, the velocity in its equation; both
-/// are 0. If a compliant contact has a normal impulse λ at the start, u is instead C (λ - h N/2) with the
-/// mean N of its normal force in the substep and a constant C > 0; this is 0, because the step has solved for
-/// such a λ (D11.28). For friction, u is the velocity in the middle of the substep, plus that at its start if
-/// the contact slides. Also computes the changes du of u (D11.21): k columns for the directions of
-/// differentiation, at constant multipliers, and then a column for each multiplier with the derivative by it.
+/// the laws of contact together with the impulses at the start of a substep (D11.13). A substep is a step of
+/// a simulation or a part of one, and h is its length. The velocities are
+/// - for a stop or a normal of a contact, the gap at the end of the substep, divided by h; if the gap was
+///   negative at its start, beyond rounding, the change of the gap in the substep, divided by h;
+/// - for a normal of a compliant contact with an impulse λ > 0 at the start of the substep, C (λ - h N/2)
+///   with the mean N of its normal force in the substep and a constant C > 0 (D11.28). This is 0, because
+///   half of the impulse h N acts at the start;
+/// - for a loop, the residual at the end of the substep, divided by h, or, if the loop constrains velocities
+///   alone, as a rolling contact does, the velocity in its equation. Both are 0;
+/// - for friction, the velocity in the middle of the substep; if a contact slides, its velocity at the start
+///   is added, because friction opposes the mean of both.
+///
+/// Also computes the changes du of u (D11.21): k columns for the directions along which the step is
+/// differentiated, at constant multipliers, and then a column for each multiplier with the derivative by it.
 /// A multiplier is the impulse of a row at the start, divided by the coefficient of friction if it is a
 /// friction row of a contact.
 bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const Start& start,

@@ -40,12 +40,12 @@ class ContactStepDerivative {
   /// dry_friction and damping say whether those of joints acted in the step. Allocates.
   ContactStepDerivative(const Model& model, const ContactShapes& shapes, bool dry_friction, bool damping);
 
-  /// Replaces the changes dq, dv (nv × k) of the state at the start of a substep (a step or a part of one) by
-  /// those at its end, along k directions. Along these directions, drive forces, the coefficients of the
-  /// surfaces of shapes, and the parameters of the mechanism may change too (`directions`). dq is
-  /// left-trivialised. Returns false if the points of a contact have no formula that can be differentiated;
-  /// why() then says which. Allocates. O(n k + nv² k + m³) for m scalar constraints by contacts, stops, dry
-  /// friction and loops.
+  /// Replaces the changes dq (left-trivialised) and dv (nv × k) of the state at the start of a substep (a
+  /// step of a simulation or a part of one) by those at its end, along k directions. `directions` has the
+  /// changes of drive forces, of the surfaces of shapes, and of the parameters of the mechanism along the
+  /// same directions. Returns false if the points of a contact have no formula that can be differentiated;
+  /// why() then says which. Allocates. O(n k + nv² k + m³) for n bodies and m scalar constraints by contacts,
+  /// stops, dry friction and loops.
   bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const ContactDirections& directions);
 
   const std::string& why() const { return why_; }
@@ -79,9 +79,10 @@ class ContactStepDerivative {
   /// A list of contacts, evaluated in one configuration. For each contact, `jets` has the point, the normal
   /// and the gap with their derivatives by a displacement of one body relative to the other, and `axes` has
   /// the normal and two tangents, along which its velocities are resolved. `changes` and `daxes` have the
-  /// changes of the point, the normal, the gap and these axes along the directions of differentiation.
-  /// `found` says whether the gap of the contact in this configuration is below the margin. If it is not,
-  /// find() leaves the entries of the contact in `jets` and `changes` empty.
+  /// changes of the point, the normal, the gap and these axes along the directions in which the step is
+  /// differentiated. `found` says whether the gap of the contact is below the margin within which find()
+  /// searches for contacts. If it is not, find() leaves the entries of the contact in `jets` and `changes`
+  /// empty.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};
@@ -89,11 +90,10 @@ class ContactStepDerivative {
     std::vector<ContactFrame> axes = {};
     std::vector<FrameChanges> daxes = {};
   };
-  /// The joint impulses Jᵀ λ at one end of a substep (a step or a part of one), with the Jacobian J and the
-  /// impulses λ of the constraint rows of contacts, stops, dry friction and loops. Each impulse is the
-  /// product of a multiplier and a factor c, which is the coefficient of friction for friction rows of
-  /// contacts and 1 for all others. The member `lambda` has the multipliers, and physical() returns the
-  /// impulses.
+  /// The joint impulses Jᵀ (c λ) at one end of a substep (a step of a simulation or a part of one), with the
+  /// Jacobian J of the constraint rows of contacts, stops, dry friction and loops, and their multipliers λ
+  /// (`lambda`). The factor c of a row is the coefficient of friction for friction rows of contacts, and 1
+  /// for all others. physical() returns the impulses c λ of the rows.
   struct Impulses {
     Matrix J;
     Vector c, lambda;  ///< factors and multipliers of the rows
@@ -133,10 +133,10 @@ class ContactStepDerivative {
   /// directions of differentiation. Returns false if a contact has no formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
   /// The changes of the factors c of the constraint rows, a row for each constraint row and a column for each
-  /// direction of differentiation. c is the impulse of a constraint row divided by its multiplier: the
-  /// coefficient of friction for friction rows of contacts, and 1 for all others. Only the factors of sliding
-  /// friction change. `friction` has the changes of the coefficients of sliding friction of the shapes, a row
-  /// for each shape.
+  /// column of `friction`. c is the impulse of a constraint row divided by its multiplier: the coefficient of
+  /// friction for friction rows of contacts, and 1 for all others. Only the factors of sliding friction
+  /// change. `friction` has the changes of the coefficients of sliding friction of the shapes, a row for each
+  /// shape.
   Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                              const Matrix& friction) const;
   /// The changes of a contact by the displacements of its shapes on their bodies (p columns).
@@ -157,14 +157,14 @@ class ContactStepDerivative {
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);
-  /// Computes the changes of the velocities J v in the loop constraints with the Jacobian J, at the
-  /// configuration q_0 at the start of a substep (a step or a part of one). The joint velocities v are those
-  /// before the substep plus two terms: the effect of all impulses at its start, and the effect of gravity
-  /// during half the substep. If a loop constrains velocities alone, as a rolling contact does, the impulses
-  /// make its velocities J v equal to 0. The result has a row for each loop constraint; its k first columns
-  /// are for the directions of differentiation, at constant multipliers, and each further column has the
-  /// derivative by one multiplier of the impulses at the start. dq, dv and dp have the same columns, for q_0,
-  /// for the velocities before the substep, and for the joint impulses at its start.
+  /// Computes the changes of the velocities J v of the loop rows at the start of a substep (a step of a
+  /// simulation or a part of one) of length h. J is the Jacobian of the loops at the configuration q_0 at the
+  /// start, and v = v_0 + M⁻¹ (P - h G/2), with the velocities v_0 before the substep, the mass matrix M, the
+  /// joint impulses P at the start, and the forces G that balance gravity at q_0. If a loop constrains
+  /// velocities alone, as a rolling contact does, the impulses make its J v equal to 0. The result has a row
+  /// for each loop row. It has the columns of dq, dv and dp, the changes of q_0, v_0 and P: k columns for the
+  /// directions along which the step is differentiated, at constant multipliers, and then a column for each
+  /// multiplier of the impulses at the start.
   Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
                          const Matrix& dq, const Matrix& dv);
   Matrix Ad_transpose(const Vector& y, Matrix x) const;

@@ -99,13 +99,13 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
   return e;
 }
 
-/// Adds the changes of the moving frames of floating bases to dq and dv, at `time` (s) after the start of a
-/// substep (a step or a part of one), along the directions of differentiation. The coordinates of a floating
-/// base are relative to its moving frame, which does not rotate and falls with gravity. At the start of the
-/// substep, the frame has the velocity of the centre of mass of the base with its subtree. dq receives
-/// of_place times the changes of the initial velocities of the frames. If of_place is equal to `time`, these
-/// are the changes of the positions of the frames; if of_place is 0, nothing is added to dq. dv receives
-/// of_velocity (1 or 0) times the changes of the velocities of the frames. dq or dv may be null.
+/// Adds the changes of the moving frames of floating bases to dq and dv, along the directions in which a step
+/// is differentiated. The coordinates of a floating base are relative to its moving frame, which does not
+/// rotate and falls with gravity. At the start of a substep (a step of a simulation or a part of one), this
+/// frame has the velocity u of the centre of mass of the base with its subtree. dq receives the changes of u
+/// times of_place (s), and dv the changes of the velocity of the frame, `time` (s) after the start, times
+/// of_velocity (1 or 0). If of_place is equal to `time`, dq receives the changes of the position of the
+/// frame. dq or dv may be null.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);
@@ -148,14 +148,13 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
   return du.bottomRows(model_.loops().rows);
 }
 
-/// Computes, in the middle of a substep (a step or a part of one), the derivatives f_q and f_v by q and v of
-/// the forces f = ∂T/∂q - ad_vᵀ M v plus gravity, springs and damping, with the kinetic energy T. For a
-/// floating base, q and v are relative to a moving frame, which does not rotate and falls with gravity. At
-/// the start of the substep, the frame has the velocity of the centre of mass of the base with its subtree.
-/// Because the frame falls, f contains no gravity on a floating base and its subtree. Adds to df the changes
-/// of f at constant q and v along the directions of differentiation. These are the changes by the parameters
-/// of the mechanism, from parameter_changes_, and the changes of the forces of springs, which depend on poses
-/// in the inertial frame and therefore on the moving frames.
+/// Computes, in the middle of a substep (a step of a simulation or a part of one), the derivatives f_q and
+/// f_v by q and v of the forces f = ∂T/∂q - ad_vᵀ M v plus gravity, springs and damping, with the kinetic
+/// energy T. For a floating base, q and v are relative to a moving frame, which does not rotate and falls
+/// with gravity, so that f contains no gravity on the base and its subtree. Adds to df the changes of f at
+/// constant q and v along the directions in which the step is differentiated: those by the parameters of the
+/// mechanism, from parameter_changes_, and those of the forces of springs, which depend on the motion of the
+/// moving frames.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;

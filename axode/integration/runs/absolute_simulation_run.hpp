@@ -103,11 +103,11 @@ class AbsoluteSimulationRun {
     std::ranges::copy(x_, a_t.begin());
     return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
-  /// Projects q_1 and v_1 at time t (s) so that joints and loops are closed and prescribed motions are
+  /// Corrects q_1 and v_1 at time t (s) so that joints and loops are closed and prescribed motions are
   /// followed. With the mass matrix M, the change x of v_1 has the least norm √(xᵀ M x) among all changes
-  /// that achieve this to rounding; so has each Newton step for q_1. Returns an error if the residual of
-  /// positions (rad, m) stays above 1e-6. On success the mass matrix and the constraints are factorised at
-  /// the new q_1.
+  /// that remove the residual of velocities. So has each Newton step x for q_1, which removes the residual of
+  /// positions to first order. Returns an error if the residual of positions (rad, m) stays above 1e-6. On
+  /// success the mass matrix and the constraints are factorised at the new q_1.
   Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double rounding = 1e-13, tolerable = 1e-6;
     set_time(t);

@@ -57,11 +57,11 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return finite(q_t) && finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
 
-  /// Returns an error if, at configuration q_t and time t (s), the residual of the loops and of the
-  /// prescribed motions is above 1e-6 (rad, m). With prescribed motions, which give a joint coordinate or the
-  /// length of a rod (a loop joint that keeps two points at a distance) as a function of time, also returns
-  /// an error if `certificate`, the relative error of the laws of contact in the step, is above 0.1, because
-  /// contacts then block these motions.
+  /// Returns an error if, at configuration q_t and time t (s), the residual (rad, m) of the loops and of the
+  /// prescribed motions is above 1e-6. A prescribed motion gives a joint coordinate, or the length of a rod
+  /// (a loop joint that keeps two points at a distance), as a function of time. If there are prescribed
+  /// motions, also returns an error if `certificate`, the relative error of the laws of contact in the step
+  /// that ends at t, is above 0.1, because contacts then block these motions.
   Failure check_closed(double t, const Vector& q_t, double certificate) {
     if (!loops_) return {};
     constexpr double blocked = 0.1;  // a certificate with which no step makes sense
@@ -97,11 +97,11 @@ class ContactSimulationRun : public MomentumSimulationRun {
     flown_ = false;
     midpoint_.renew_matrix();
   }
-  /// Computes the motion between the impulses at the two ends of the step by the midpoint rule (D8.5). It
-  /// begins at the configuration q_0 of begin() with the joint momenta p_a = M(q_0) v_a, where v_a are the
-  /// velocities after the impulses at the start. Writes the configuration and velocities in the middle of the
-  /// step to q_middle and v_middle, and the configuration at the end to q_end. It is called again in the same
-  /// step whenever these impulses have been corrected; its iteration then starts from the previous result.
+  /// Computes the motion between the impulses at the two ends of the step by the midpoint rule (D8.5), from
+  /// the configuration q_0 that begin() received and the joint momenta p_a = M(q_0) v_a, with the velocities
+  /// v_a after the impulses at the start. Writes the configuration and velocities in the middle of the step
+  /// to q_middle and v_middle, and the configuration at the end to q_end. If the impulses at the start are
+  /// corrected, the function is called again in the same step, and then iterates from its previous result.
   /// The iteration ends when it changes the velocities by at most `enough` times their magnitude; is_exact()
   /// says whether only a rounding error remains.
   Failure fly(const Vector& p_a, double enough) {
@@ -134,11 +134,11 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
   bool is_exact() const { return midpoint_.is_exact(); }
-  /// Ends the computation of the motion between the impulses at the two ends of the step, after the last call
-  /// of fly(), which computes this motion by the midpoint rule. Completes p_end, the joint momenta at the end
-  /// of the step before the impulses there. The momenta of floating bases are relative to their moving
-  /// frames, which fall with gravity but do not rotate. They are exact to rounding if only gravity acts on
-  /// the bases between the impulses. v_0 are the velocities that begin() received.
+  /// Completes p_end, the joint momenta at the end of the step before the impulses there. Before the call,
+  /// fly() must have computed the motion between the impulses at the two ends of the step. The momenta of
+  /// floating bases are relative to their moving frames, which fall with gravity but do not rotate. They are
+  /// exact to rounding if only gravity acts on the bases between the impulses. v_0 are the velocities that
+  /// begin() received.
   void arrive(const Vector& v_0) {
     change_ = v_middle - v_0;
     h_of_change_ = h_;

@@ -7,11 +7,10 @@
 /// Steps that end where a drive with states changes to another branch of its law.
 namespace axode {
 
-/// Whether the time at which a drive changes to another branch of its law affects the step that ends at time
-/// t with the state `end`. The function evaluates the drives at this state before and after the change, and
-/// returns true if a drive state jumps, or if the changes of the rates of the drive states or of the drive
-/// forces, over the length of the step, would alter the drive states or the velocities. Changes by at most
-/// 1e-9 of the size of the drive states or velocities do not count.
+/// Returns whether drives jump if they change to other branches of their laws at time t with the state `end`,
+/// the end of a step. A jump of a drive state counts, and so does a jump of the rate of a drive state or of a
+/// drive force, multiplied by the length of the step. Jumps that would alter the drive states and the
+/// velocities by at most 1e-9 of their size do not count.
 bool SimulationRun::jumps_at_switch(double t, const StepEnd& end) {
   constexpr double small = 1e-9;
   const double h = t - now();

@@ -34,11 +34,12 @@ int SimulationRun::parts_by_rotation(double before) {
   return static_cast<int>(std::clamp(std::ceil(h * fastest / (std::numbers::pi / 2)), 1.0, 1e9));
 }
 
-/// Finds the times at which the function of event e changes sign in the interval from `before` to `after`, a
-/// part of the last step. The function has the value `begin` at `before` and the value `end` at `after`. If
-/// their signs differ, there is one such time. If their signs are equal, there are two such times if the
-/// rates of the function at both ends show that it approaches zero and returns, and if it changes sign in
-/// between; otherwise there is none. A change of sign in a direction that the event excludes is left out.
+/// Finds the times between `before` and `after`, two times in the last step, at which the function of event
+/// number e changes its sign, and appends them to `met`. The function has the value `begin` at `before` and
+/// the value `end` at `after`. If the signs of these values differ, one time is found. If they are equal, two
+/// times are found if the function approaches zero at `before`, moves away from zero at `after`, and has the
+/// other sign in between; otherwise none. Changes of sign in a direction that the event excludes are left
+/// out.
 void SimulationRun::find_occurrences(std::size_t e, double before, double after, double begin, double end,
                                      std::vector<Trajectory::EventOccurrence>& met) const {
   const Event& event = options_.events[e];

@@ -25,11 +25,11 @@ namespace axode {
 struct StepEnd {
   Eigen::VectorXd q, v, a = {}, x = {}, dx = {};
 };
-/// A function that computes the state at the end of a step from the present time to t_1. For each computed
-/// acceleration, SimulationRun records the violation of dry friction and how near the loop equations are to
-/// linear dependence. The function must discard the records of earlier attempts at the step: it must begin
-/// with a call of begin_step(), which resets them, or end with one of check_sticking(), which resets them
-/// and, if joints stick, records them anew at the end of the step.
+/// Callback that computes the state at the end of a step from the present time to t_1. For each acceleration
+/// that it computes, SimulationRun records the violation of dry friction and how near the loop equations are
+/// to linear dependence. So that no records of earlier attempts at the step remain, the callback must begin
+/// with begin_step(), which resets the records, or end with check_sticking(), which resets them and, if
+/// joints stick, computes the accelerations at the end of the step.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
 /// The part of a simulation in joint coordinates that all integration schemes share: trajectory and present
@@ -101,10 +101,9 @@ class SimulationRun {
   Failure take_closed(double t, Span q_end, Span v_end, const Vector& x_end);
   /// Shortens a step in which a status of a drive must change, so that it ends just after the change. A
   /// status is the integer that says which form of the drive's law holds. t_1 and `end`, the time and the
-  /// state at the end of the step, become those of the shorter step. The function searches for it by calls of
-  /// `attempt`, which computes the state at the end of a step from the present time to a given time. The last
-  /// call may be for a time other than the final t_1, so that other data that `attempt` stores may belong to
-  /// that time. If `abrupt` is true, steps are shortened only for changes by which forces, rates or states of
+  /// state at the end of the step, become those of the shorter step. `attempt` computes the state at the end
+  /// of a step from the present time to a given time. Its last call may be for another time than the final
+  /// t_1. If `abrupt` is true, steps are shortened only for changes by which forces, rates or states of
   /// drives jump.
   Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt, bool abrupt = false);
   /// Lets the statuses and inputs of the drives change at the present time, and computes accelerations anew.
@@ -142,11 +141,10 @@ class SimulationRun {
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
   /// Computes the sum tau (nv) of drive forces, spring forces and, with dry friction, losses of joints.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// Computes for each velocity the inertia that springs, dampers and drives seem to add in an implicit step,
-  /// where a change x of an acceleration changes the coordinate by c_x x and the velocity by c_v x: the
-  /// diagonal of -(c_x ∂τ/∂q + c_v ∂τ/∂v) for the forces τ of springs, dampers, drives with states and the
-  /// function SimulationOptions::drive, or 0 where it is negative. The derivatives of this function are
-  /// difference quotients.
+  /// Computes for each velocity the inertia that joint forces τ seem to add in an implicit step, in which a
+  /// change x of an acceleration changes the coordinate by c_x x and the velocity by c_v x: the diagonal of
+  /// -(c_x ∂τ/∂q + c_v ∂τ/∂v), or 0 where it is negative. τ are the forces of springs, dampers, drives with
+  /// states and the caller's function SimulationOptions::drive, whose derivatives are difference quotients.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 
