@@ -48,11 +48,12 @@ struct InverseKinematicsResult {
 };
 
 /// Computes a configuration in which places (frames or points on bodies) have given poses, by the damped
-/// least squares of Levenberg and Marquardt on SE(3) with the exact derivative -dexp⁻¹ J^b of the error,
-/// where J^b is the body-fixed Jacobian of a place. The search starts at q0, and then at random
-/// configurations until the targets are reached. A joint at a limit that it would cross is held there. With
-/// options.posture, the joints then move towards this configuration as far as the targets leave them free.
-/// Allocates. Throws std::invalid_argument for wrong sizes, unknown frames, and numbers out of range.
+/// least squares of Levenberg and Marquardt. The error of a place with the pose C is log(C⁻¹ C_target), with
+/// the weights of the target; its derivative by q is -dexp⁻¹ J^b with the body-fixed Jacobian J^b of the
+/// place. The search starts at q0, and then at most options.restarts times at random configurations until the
+/// targets are reached. A joint at a limit that it would cross is held there. If options.posture is given,
+/// the joints then move towards this configuration as far as the targets allow. Allocates. Throws
+/// std::invalid_argument for wrong sizes, unknown frames, and numbers out of range.
 [[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model,
                                                          std::span<const PoseTarget> targets,
                                                          std::span<const double> q0,

@@ -21,18 +21,18 @@ struct SystemMatrices {
 };
 /// Computes the matrices A, D and X of V = A X v and A = (I - D)⁻¹ in representation Rep. V has the twists of
 /// all bodies, v the joint velocities, and X the joint screws, which depend on q unless they are body-fixed.
-/// D transforms twists from each predecessor to its body. Block (i, j) of A is Ad_{C_ij} in the body-fixed
-/// representation, where C_ij is the pose of body j relative to body i. In the hybrid representation it is
-/// Ad_{r_ij}, where r_ij is the vector from the origin of body i to that of body j. In the spatial
-/// representation it is the identity.
+/// D transforms twists from each predecessor to its body, and block (i, j) of A from body j on the path from
+/// the ground to body i. This block is Ad_{C_ij} in the body-fixed representation, with the pose C_ij of body
+/// j relative to body i, Ad_{r_ij} in the hybrid one, with the vector r_ij from the origin of body i to that
+/// of body j, and the identity in the spatial one.
 template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
-/// The matrices of two further factorisations of the spatial Jacobians J^s of all bodies, one below the
-/// other: J^s = A_s Y_s = A_sb X^b (eq. JbSys). Y_s has the joint screws in the inertial frame at q = 0, and
-/// X^b, which system_matrices() returns as X, has the joint screws in the body frames; both are constant.
-/// Block (i, j) of A_s and A_sb transforms the screw of joint j on the path to body i to its present spatial
-/// screw.
+/// The matrices of two factorisations J^s = A_s Y_s = A_sb X^b of the spatial Jacobians J^s of all bodies,
+/// one below the other (eq. JbSys). Y_s has the joint screws in the inertial frame at q = 0, and X^b, which
+/// system_matrices<BodyFixed>() returns as X, has the joint screws in the body frames; both are constant.
+/// Block (i, j) of A_s and of A_sb transforms the screw of joint j, which is on the path to body i, from the
+/// constant screw in Y_s or X^b to the present spatial screw.
 struct SpatialFactors {
   SystemMatrix A_s, Y_s, A_sb;
 };

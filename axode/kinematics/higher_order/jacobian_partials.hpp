@@ -12,15 +12,15 @@ namespace axode {
 [[deprecated("jacobian_partials() has no largest order")]]  //
 inline constexpr int largest_partial_order = 12;
 
-/// The partial derivatives ∂^ν J / ∂q_αν ... ∂q_α1 of the Jacobian of a place (a frame or a point on a body),
-/// as a dense tensor: nv^(ν + 1) columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. The
-/// derivative along α1 is taken first; the order matters only between directions of one spherical, planar or
-/// free joint. Body-fixed: Müller's eqs. der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder;
-/// hybrid and mixed: (D15.4) of docs/derivations. For the first order this is eq. Jhder for ∂J_j/∂q_k,
-/// completed by the case k < j, in which joint k is between joint j and the ground (errata 6 to 12). Any
-/// order ν >= 0 is allowed. O(ν m^(ν + 1)) for m joint screws between the place and the ground; the number of
-/// allocations does not depend on the order. The caller's function should_continue() is called from time to
-/// time; if it returns false, the call ends early and the tensor is not complete.
+/// The partial derivatives of any order ν >= 0 of the Jacobian J of a place (a frame or a point on a body),
+/// as a dense tensor of nv^(ν + 1) columns. Column ((αν nv + ...) nv + α1) nv + j is ∂^ν J_j / ∂q_αν ...
+/// ∂q_α1, the derivative of the column J_j of velocity j along α1 first. The order of derivatives matters
+/// only between directions of one spherical, planar or free joint. Body-fixed: Müller's eqs. der1, der2Jb,
+/// nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: (D15.4) of docs/derivations.
+/// Müller's eq. Jhder, the first derivative ∂J_j/∂q_k in the hybrid representation, is completed by the case
+/// k < j, in which joint k is between joint j and the ground (errata 6 to 12). O(ν m^(ν + 1)) for m joint
+/// screws between the place and the ground. If the caller's function should_continue() returns false, the
+/// call ends early and the tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
@@ -28,13 +28,11 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
                        const std::function<bool()>& should_continue = {});
 
 /// The directional derivative D_uν ... D_u1 J of the Jacobian of a place (a frame or a point on a body), nv
-/// columns: the tensor of its partial derivatives contracted with one direction u for each derivative.
-/// `directions` has `order` rows of nv numbers, the innermost direction u1 first. Any order >= 0 is allowed.
-/// If no two consecutive directions are equal, the cost is O(m 3^order) screw products for m joint screws
-/// between the place and the ground, and (m + order) 2^order screws are allocated. A run of k equal
-/// consecutive directions reduces both: it counts as one direction in the sum m + order, and in the powers
-/// its factor is (k + 1)(k + 2)/2 instead of 3^k, and k + 1 instead of 2^k. Throws std::invalid_argument for
-/// a number of screws that no memory can hold.
+/// columns: the tensor of its partial derivatives of order ν contracted with one direction u for each
+/// derivative. `directions` has ν >= 0 rows of nv numbers, the innermost direction u1 first. Consecutive
+/// directions that are equal form a run. For m joint screws between the place and the ground and R runs of
+/// k_1, ..., k_R directions, the cost is O(m Π (k_r + 1)(k_r + 2)/2) screw products, and (m + R) Π (k_r + 1)
+/// screws are allocated. Throws std::invalid_argument for a number of screws that no memory can hold.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,

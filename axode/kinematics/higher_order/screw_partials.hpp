@@ -43,9 +43,10 @@ template <class T> struct ScrewPath {
 };
 
 /// The partial derivatives, of any order ν, of the joint screws on the path from the ground to a place (a
-/// frame or a point on a body) with respect to the joint coordinates, along left-trivialised directions. Each
-/// is a nested bracket of the joint screws (Müller, eqs. nthorderBody and nthorder; (D15.1) to (D15.4) of
-/// docs/derivations). A multi-index α has ν indices into path.screws; the derivative along α[0] is taken
+/// frame or a point on a body) with respect to the joint coordinates, along left-trivialised directions. They
+/// are nested brackets of joint screws in the body-fixed and the spatial representation (Müller, eqs.
+/// nthorderBody and nthorder), and nested vector products in the hybrid and the mixed one ((D15.1) to (D15.4)
+/// of docs/derivations). A multi-index α has ν indices into path.screws; the derivative along α[0] is taken
 /// first. The constructor allocates, the other functions do not.
 template <class Rep, class T> class ScrewPartials {
  public:
@@ -148,11 +149,10 @@ template <class Rep, class T> class ScrewPartials {
       tails_[k] = k + 1 == chain_.size() ? J.v : cross(J.w, tails_[k + 1]);
     }
   }
-  /// The linear part of the partial derivative of order ν of the hybrid screw a along the ν directions in
-  /// chain_ (D15.4). It is the derivative of order ν + 1 of the position of the place (a frame or a point on
-  /// a body, to which the path of joint screws leads), along screw a and along each of these directions.
-  /// `inward` is the number of directions in chain_ that belong to the joint of screw a or to joints between
-  /// it and the root.
+  /// The linear part of the partial derivative of the hybrid screw a along the directions in chain_, which
+  /// are joint screws of the path to a place (a frame or a point on a body). It is the derivative of the
+  /// position of the place along screw a and along each of these directions (D15.4). `inward` is the number
+  /// of directions that belong to the joint of screw a or to joints between it and the root.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -171,10 +171,9 @@ template <class Rep, class T> class ScrewPartials {
 ///
 ///   D_S J_c = Σ_{A ⊆ S∖s} [D_A W_i(u_s), D_{S∖s∖A} J_c],  s the lowest index in S.
 ///
-/// A run consists of consecutive directions that are equal. Sets with the same number of members in each run
-/// have the same derivatives. Therefore all such sets are represented by one part, which has only these
-/// numbers. The sum over sets becomes a sum over parts, weighted with the number of sets that a part
-/// represents, a product of binomial coefficients.
+/// Consecutive directions that are equal form a run. D_S depends only on how many directions of each run are
+/// in S. Such a list of numbers, one for each run, is called a part. Hence the sum over sets A becomes a sum
+/// over parts, weighted with the number of sets that a part represents, a product of binomial coefficients.
 template <class T> class DirectionalDerivatives {
  public:
   /// Computes the derivatives of all screws. Throws std::invalid_argument if no memory can hold them.
@@ -263,12 +262,11 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Computes the derivatives of the joint screws begin to end - 1 of the path, which belong to one joint:
-  /// for each selection of the given directions u_s, the mixed derivative along all directions in it.
-  /// Selections with the same number of directions from each run of equal consecutive directions have the
-  /// same derivative, which is computed once. W_ has, for each run s and each selection, the derivative along
-  /// the selection of W(u_s), the spatial twist of a body for the joint velocities u_s. Before the call this
-  /// body is the predecessor of the joint's body, and after the call the joint's body.
+  /// Computes the derivatives of the joint screws begin to end - 1 of the path, which belong to one joint,
+  /// along every part. A part stands for all selections of the given directions u_s that have the same number
+  /// of directions from each run of equal consecutive directions. W_ has, for each run s and each part, the
+  /// derivative along this part of W(u_s), the spatial twist of a body for the joint velocities u_s. Before
+  /// the call this body is the predecessor of the joint's body, and after the call the joint's body.
   void body(std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) J_[c * parts_] = path_.screws[c].spatial;
     for (std::size_t S = 0; S < parts_; ++S) {
