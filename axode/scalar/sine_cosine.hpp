@@ -3,8 +3,7 @@
 
 #include "axode/scalar/batch.hpp"
 
-/// sine_cosine(x) computes sine and cosine together and without a branch, so that it runs on many angles at
-/// once.
+/// sine_cosine(x) computes sine and cosine together, of many angles at once.
 ///
 /// x = n π/2 + r with |r| <= π/4 (Cody and Waite 1980): π/2 is split into parts of 33 bits, so that n times a
 /// part is exact up to n = 2^20, and the rounding errors of the subtractions are kept as a second part of r.

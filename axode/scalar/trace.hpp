@@ -9,12 +9,12 @@ namespace axode {
 
 class Tape;
 
-/// A number that records how it is computed. While a Tape exists, it receives the list of all operations on
-/// Traces, in which every operation occurs once.
+/// A number that records how it is computed. While a Tape exists in the thread, the tape receives the list of
+/// all operations on Traces, in which every operation occurs once.
 ///
 /// A Trace is a factor times a recorded number, or a constant. Therefore constants and signs are folded and
-/// never recorded: 0 x = 0, x + 0 = x, x - x = 0, (2 x) (-3 y) = -6 (x y), a b - c d = -(c d - a b). A folded
-/// result is right for all finite numbers, and equal to the result of the operations up to rounding.
+/// never recorded: 0 x = 0, x + 0 = x, x - x = 0, (2 x) (-3 y) = -6 (x y), a b - c d = -(c d - a b). For all
+/// finite numbers, a folded result is equal to the result of the operations up to rounding.
 class Trace {
  public:
   /// The result of a comparison of Traces. If is_constant() is true, it does not depend on the inputs, and
