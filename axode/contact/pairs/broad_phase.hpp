@@ -15,10 +15,10 @@ class BroadPhase {
   explicit BroadPhase(const ContactShapes& shapes);
 
   /// Returns the pairs (i, j), i < j, of shapes that the model allows to touch and whose bounding boxes are
-  /// nearer than `margin` (m) along each axis, in ascending order. A pair with a plane is returned if the
-  /// bounding box of the other shape is nearer to the plane than `margin`. `poses` are those of the shapes in
-  /// the inertial frame. Costs O(n log n), plus the number of pairs of boxes that overlap along x, plus the
-  /// number of planes times that of boxes.
+  /// nearer than `margin` (m) along each inertial axis, in ascending order. A pair with a plane is returned
+  /// if the bounding box of the other shape is nearer to the plane than `margin`. `poses` are those of the
+  /// shapes in the inertial frame. Costs O(n log n) for n shapes, plus the number of pairs of boxes that are
+  /// nearer than `margin` along x, plus the number of planes times the number of other shapes.
   std::span<const std::array<int, 2>> near(const ContactShapes& shapes, std::span<const SE3<>> poses,
                                            double margin) noexcept;
 

@@ -70,10 +70,10 @@ Clipped<T> clip_by_sides(const Feature<T>& subject, const Feature<T>& polygon, c
 }
 
 /// Clips a polygon or segment, the subject, by a polygon, seen along the unit vector n from the polygon to
-/// the subject, and adds the corners of the result as contact points. The gap of a corner (m, negative in
-/// overlap) is its distance from the plane of the polygon along n, minus the radii of the balls that round
-/// the two bodies. `flipped` is true if the subject belongs to the first shape of the pair. Returns the least
-/// gap, or infinity if the result is empty.
+/// the subject, and adds the corners of the result as contact points. The gap of a corner (m, negative if the
+/// bodies overlap) is its distance from the plane of the polygon along n, minus the radius of a capsule whose
+/// axis is the subject. `flipped` is true if the subject belongs to the first shape of the pair. Returns the
+/// least gap, or infinity if the result is empty.
 template <class T>
 double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const Feature<T>& subject,
                        double radius_subject, const Vec3<T>& n, bool flipped, double size,
@@ -97,11 +97,13 @@ double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const F
   return least;
 }
 
-/// Adds contact points at both ends of the part along which two segments a and b lie side by side, seen along
-/// the unit vector n. The gap there (m, negative in overlap) is the distance of the segments along n, minus
-/// the radii of the balls that round the bodies, plus e² / (2 ρ) for the curvature of the surfaces. e is the
-/// distance of the segments perpendicular to n, and ρ (features.roundness) is the sum of the radii of
-/// curvature across the segments. Returns the least gap, or infinity if the segments do not lie side by side.
+/// Adds two contact points of the segments a and b, which are axes of capsules or lines on the sides of
+/// cylinders. n is the unit vector from a to b. The points are at both ends of the part that the segments
+/// have in common when projected onto the direction of a across n. Their gap (m, negative if the bodies
+/// overlap) is h - r_a - r_b + e² / (2 ρ), where h and e are the distances of the segments along n and across
+/// n, and r_a and r_b are the radii of capsules, 0 for cylinders. ρ is the sum of the radii of curvature of
+/// both surfaces across the segments. Returns the least gap, or infinity if the common part is shorter than
+/// 1e-3 of the shorter segment.
 template <class T>
 double clip_segments(const Feature<T>& a, const Feature<T>& b, const FacingFeatures<T>& features,
                      PointList<T>& out) noexcept {

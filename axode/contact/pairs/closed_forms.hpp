@@ -7,11 +7,12 @@
 /// first shape to the second one. Poses are in the inertial frame.
 namespace axode {
 
-/// Contact points of a plane, which bounds a half-space, with any other shape. The points are on the surface
-/// of the other shape: the lowest point of a sphere or an ellipsoid; the lowest points of both half balls of
-/// a capsule; the vertices of a box or a hull. If more than 16 vertices of a hull are near enough, only the
-/// deepest one and the outermost ones in eight directions are taken. A cylinder has four points on each rim:
-/// the lowest one, and three more a quarter of a turn apart.
+/// Adds the contact points of a plane, which bounds a half-space, and any other shape. They are on the
+/// surface of the other shape: the lowest point (against the normal of the plane) of a sphere or an
+/// ellipsoid, the lowest points of both half balls of a capsule, the vertices of a box or a hull, and on each
+/// rim of a cylinder the lowest point and three more a quarter of a turn apart. If more than 16 vertices of a
+/// hull are nearer to the plane than out.margin(), only the deepest one and the outermost ones in eight
+/// directions along the plane are added.
 template <class T>
 void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& pose,
                  PointList<T>& out) noexcept;

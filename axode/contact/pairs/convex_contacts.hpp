@@ -12,13 +12,12 @@ namespace axode {
 void touch_convex(const ContactShape& a, const SE3<>& A, const ContactShape& b, const SE3<>& B,
                   PointList<>& out) noexcept;
 
-/// Adds the contact points of two boxes a and b: the corners of the region in which their facing faces or
-/// edges overlap when seen along the normal. The normal is chosen among the face normals of both boxes and
-/// the common perpendiculars of their edges: it is the one along which the boxes are separated most. A
-/// face of b is chosen instead of a face of a only if its separation is larger by 1e-9 of the size of the
-/// boxes, and a pair of edges instead of a face only if its separation is larger by 1e-6 of this size. If
-/// none of these normals is the direction of the least distance, the function adds nothing and returns
-/// false; then the function for any two convex shapes, touch_convex(), must be called.
+/// Adds the contact points of two boxes a and b: the corners of the region in which the faces that face each
+/// other overlap when seen along the normal. Of the face normals of both boxes and the common perpendiculars
+/// of their edges, the normal is the one along which the boxes are separated most. If the separations differ
+/// by rounding errors only, a face is preferred to a pair of edges, and a face of a to one of b. If no corner
+/// is as near as the separation along the normal, the function adds nothing and returns false; then
+/// touch_convex(), the function for any two convex shapes, must be called.
 template <class T>
 bool touch_boxes(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
                  PointList<T>& out) noexcept;

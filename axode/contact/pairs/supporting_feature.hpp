@@ -19,12 +19,12 @@ template <class T = double> struct Feature {
   void add(const Vec3<T>& p) noexcept { point[count++] = p; }
 };
 
-/// The flat part of a shape's surface that faces the unit vector n (in the inertial frame). For a box it is
-/// the face whose normal is nearest to n. For a hull it is, of the faces at the support point, the one whose
-/// normal is nearest to n. For a cylinder it is a cap, as a polygon of eight points on its rim, or a line on
-/// its side. For a capsule it is the axis, which is not on the surface; the caller takes the radius of the
-/// capsule into account. Spheres and ellipsoids have no flat part. If a face of a hull has more than 32
-/// corners, only some of them are taken.
+/// Returns the flat part of a shape's surface that faces the unit vector n (in the inertial frame). For a box
+/// it is the face whose normal is nearest to n. For a hull it is the face whose normal is nearest to n among
+/// the faces at the vertex that is farthest along n; if it has more than 32 corners, only some of them are
+/// taken. For a cylinder it is a cap, as a polygon of eight points on its rim, if the axis is within 45° of
+/// the line of n, and otherwise a line on the side. For a capsule it is the axis, from which the surface is
+/// one radius away. Spheres and ellipsoids have no flat part.
 template <class T>
 Feature<T> supporting_feature(const ContactShape& shape, const SE3<T>& pose, const Vec3<T>& n) noexcept;
 
