@@ -10,11 +10,12 @@
 namespace axode {
 
 /// The articulated-body algorithm for trees without coupled joints, in inertial axes about the origins of the
-/// bodies. The screw of a hinge with axis n is (n; 0). Bias forces are those of zero joint accelerations.
+/// bodies. Bias wrenches are those for zero joint accelerations.
 ///
-/// The elimination of a hinge with the screw S at the vector r from the predecessor's origin adds Ad_rᵀ M
-/// Ad_r - K Ûᵀ to the predecessor's inertia, with the articulated inertia M of the body, U = M S, D = Sᵀ U +
-/// armature, Û = Ad_rᵀ U and K = Û / D. Velocities of one joint are eliminated one after the other.
+/// A hinge of body i has the screw S = (n; 0) with its unit axis n. With the articulated inertia M of the
+/// body, U = M S, and the pivot D = Sᵀ U + armature, the elimination of the hinge adds Ad_rᵀ M Ad_r - K Ûᵀ to
+/// the inertia of the predecessor. Here r is the vector from the origin of body i to that of the predecessor,
+/// Û = Ad_rᵀ U, and K = Û / D. Velocities of one joint are eliminated one after the other.
 template <class G, class T> struct FastArticulatedBodies {
   using Number = typename G::Number;
   using Vector = typename G::Vector;
@@ -36,18 +37,19 @@ template <class G, class T> struct FastArticulatedBodies {
     Articulated M;
     Vector m, f;
   };
-  /// The motion of a body for zero joint accelerations: its angular velocity ω, its angular acceleration ω',
-  /// and the acceleration r'' of its origin. In the last sweep, the members w and a receive the parts of ω'
-  /// and r'' that are due to joint accelerations.
+  /// The motion of a body for zero joint accelerations and the acceleration -g of the ground: its angular
+  /// velocity ω, its angular acceleration ω', and the acceleration r'' of its origin. The last sweep,
+  /// accelerate(), overwrites the members w and a of some bodies by the parts of ω' and r'' that are due to
+  /// joint accelerations.
   struct Motion {
     Vector w, dw, a;
     Factor w_, dw_;
   };
   /// An eliminated joint screw S = (w; v), in inertial axes about the origin of the body that the joint
-  /// moves, with U = M S, where M is the articulated inertia, and the pivot D. K = U/D is the wrench on the
-  /// predecessor for a unit joint force, about the origin of the body. For a hinge, K is about the origin of
-  /// the predecessor instead, and (w; v) is not stored. u is the joint force minus S | W, divided by D, with
-  /// the bias wrench W (D4.12, D4.13).
+  /// moves. With the articulated inertia M of this body, U = M S, and the pivot D, K = U/D is the wrench on
+  /// the predecessor for a unit joint force, about the origin of the body. For a hinge, K is about the origin
+  /// of the predecessor instead, and (w; v) is not stored. u = (τ - S | W)/D with the joint force τ and the
+  /// bias wrench W ((D4.12) and (D4.13) of docs/derivations).
   struct Pivot {
     Vector K_m, K_f, w, v;
     Number D_inv, u;
@@ -84,10 +86,10 @@ template <class G, class T> struct FastArticulatedBodies {
   void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// Computes poses, inertias and bias wrenches of all bodies, for zero joint accelerations. Calls
-  /// put(i, R, motion, u) for every body i with its rotation R; its angular velocity, its angular
-  /// acceleration and the acceleration of its origin (`motion`); and the velocity u of its origin relative to
-  /// the origin of its predecessor. All are in inertial axes.
+  /// Computes poses, inertias and bias wrenches of all bodies, for zero joint accelerations and the
+  /// acceleration -g of the ground. Calls put(i, R, motion, u) for every body i with its rotation R; its
+  /// angular velocity, its angular acceleration and the acceleration of its origin (`motion`); and the
+  /// velocity u of its origin minus that of the origin of its predecessor. All are in inertial axes.
   template <class S, class Put>
   [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
                                                          Motion* motion, Put&& put) noexcept {
@@ -223,12 +225,13 @@ template <class G, class T> struct FastArticulatedBodies {
   }
 
  private:
-  /// Takes joint i in the backward sweep, after its elimination. x (nv numbers) are the drive forces or
-  /// another right side of equations with the mass matrix, and (m, f) is the wrench W on body i about its
-  /// origin. For each screw S of the joint, from the last to the first, the joint force that remains is g =
-  /// x_k - S|W with the entry x_k of x. The function stores u = g/D and adds the wrench g K to W, with the
-  /// pivot D = Sᵀ M S + armature, K = M S/D and the articulated inertia M of the body before S is eliminated.
-  /// On return (m, f) is the wrench on the predecessor about the origin of the predecessor.
+  /// The step at joint i of the backward sweep (from the leaves to the root) that solves equations with the
+  /// mass matrix, after the joint has been eliminated. x (nv numbers) are the right sides, such as drive
+  /// forces. On entry, (m, f) is the wrench W on body i about its origin: its own bias wrench plus what its
+  /// children pass to it. For each screw S of the joint, from the last to the first, the remaining joint
+  /// force is g = x_k - S|W with the entry x_k of x. The step stores u = g/D and adds the wrench g K to W,
+  /// with the pivot D and K = M S/D, where M is the articulated inertia of the body before S is eliminated.
+  /// On return, (m, f) is the wrench on the predecessor about the origin of the predecessor.
   template <class S>
   [[gnu::always_inline]] void pass_wrench(const Tree<S>& tree, int i, const T* x, Vector& m,
                                           Vector& f) noexcept {
@@ -354,12 +357,13 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// Takes one joint in the backward sweep (from the leaves to the root) that solves M X = B with the mass
-  /// matrix M for several columns at once. The n screws of the joint have the indices s to s + n - 1.
-  /// right_side(k) is the row of B for screw k, and F the sum of the wrenches that the joints of the children
-  /// transmit. Computes u, the joint acceleration along each screw if the predecessor and the screws before
-  /// it have no acceleration. Unless the joint is on the ground, F becomes the wrench that the joint
-  /// transmits if the predecessor has no acceleration.
+  /// The step at one joint of the backward sweep (from the leaves to the root) that solves M X = B with the
+  /// mass matrix M for several columns at once. The joint has the screws s to s + n - 1, and right_side(k) is
+  /// the row of B for screw s + k. On entry, F is the sum of the wrenches that the joints of the children
+  /// transmit, about the origin of the body. u[k] receives the joint acceleration along screw s + k if the
+  /// predecessor and the earlier screws of the joint have no acceleration. Unless the joint is on the ground,
+  /// F becomes the wrench that the joint transmits if the predecessor has no acceleration, about the origin
+  /// of the body.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
                                              const RightSide& right_side, Several* u, bool on_a_body,
@@ -375,11 +379,12 @@ template <class G, class T> struct FastArticulatedBodies {
     if (on_a_body)
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
-  /// Takes one joint in the forward sweep (from the root to the leaves) that solves equations with the mass
-  /// matrix for several right sides at once. The n screws of the joint have the indices s to s + n - 1.
-  /// free(k) is the joint acceleration along screw k if the predecessor and the screws before it have no
-  /// acceleration. put(k, x) receives the true joint acceleration x along screw k. On entry X is the
-  /// acceleration of the predecessor (0 for the ground), on return that of the body.
+  /// The step at one joint of the forward sweep (from the root to the leaves) that solves equations with the
+  /// mass matrix for several right sides at once. The joint has the screws s to s + n - 1. free(k) is the
+  /// joint acceleration along screw s + k if the predecessor and the earlier screws of the joint have no
+  /// acceleration, and put(k, x) is called with the acceleration x that the solution has. On entry, X is the
+  /// acceleration of the predecessor (0 for the ground), on return that of the body, both at the origin of
+  /// the body.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {

@@ -8,12 +8,11 @@ namespace axode {
 
 /// The composite-body algorithm for the mass matrix M of trees without coupled joints. Everything is in the
 /// axes of the root body, the first body on the path from the ground, on whose pose M does not depend.
-/// Composite inertias are about the origins of the bodies. The joint screws S and the impulses F, which give
-/// the subtrees of the joints the twists S, are then written about the origin of the root body, where M_ij =
-/// S_i | F_j, the product of a screw and an impulse. As the velocities of a subtree are consecutive, a row of
-/// M is a product of one screw and consecutive entries of F. The screws of a root body on a free joint are
-/// the unit vectors. If this root body is body 1 of the tree, the first six rows of M are the components of
-/// F.
+/// Composite inertias are about the origins of the bodies. Joint screws S are about the origin of the root
+/// body, and so are the impulses F that give the subtrees of the joints, with all other joints locked, the
+/// twists S. If joint j is in the subtree of joint i, M_ij = S_i | F_j without armatures. As the velocities
+/// of a subtree are consecutive, a row of M is the product of one screw and consecutive entries of F. The
+/// screws of a root body on a free joint are the unit vectors.
 template <class T> struct FastCompositeBodies {
   using L = Lanes<T>;
   using Number = typename L::Number;

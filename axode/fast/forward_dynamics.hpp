@@ -27,11 +27,12 @@ template <class T> struct FastForwardDynamics {
     bodies.accelerate(tree, motion, a);
     return true;
   }
-  /// The first two sweeps of forward dynamics; accelerate() is the third one. Calls put(i, R, motion, u) for
-  /// every body i with its rotation R; its angular velocity, its angular acceleration and the acceleration of
-  /// its origin for zero joint accelerations (`motion`); and the velocity u of its origin relative to the
-  /// origin of its predecessor. All are in inertial axes. Returns false if joints are coupled or the mass
-  /// matrix may be singular.
+  /// The forward sweep for zero joint accelerations and the backward sweep that eliminates the joints; the
+  /// third sweep, accelerate(), then computes the joint accelerations. Calls put(i, R, motion, u) for every
+  /// body i with its rotation R; its angular velocity, its angular acceleration and the acceleration of its
+  /// origin (`motion`), for zero joint accelerations and the acceleration -g of the ground; and the velocity
+  /// u of its origin minus that of the origin of its predecessor. All are in inertial axes. Returns false if
+  /// joints are coupled or the mass matrix may be singular.
   template <class Put>
   [[gnu::always_inline]] bool prepare(const Tree<T>& tree, const T* q, const T* v, const T* tau,
                                       const Loads<T>& loads, Put&& put) noexcept {

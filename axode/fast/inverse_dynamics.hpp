@@ -141,12 +141,12 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
            const Vec3<T>& g) noexcept {
     run(tree, q, v, a, loads, g, [](int, const auto&, const auto&) {});
   }
-  /// Computes for each body the sum of the wrenches that its joints exert on it: the resultant wrench of its
-  /// motion, with the acceleration -g of the ground for gravity, minus the wrenches of loads on it. The sums
-  /// are about the origin of the body, in its axes. Calls put(i, motion, v_J) for every body i. `motion` has
-  /// the angular velocity and acceleration of the body and the acceleration of its origin, if the ground has
-  /// the acceleration -g. v_J is the linear part of the body's twist relative to its predecessor. All are in
-  /// the axes of the body.
+  /// Computes for each body the sum of the wrenches that its joints exert on it, about its origin and in its
+  /// axes. The sum is the resultant wrench of the motion, with the acceleration -g of the ground for gravity,
+  /// minus the applied wrenches. Calls put(i, motion, v_J) for every body i. `motion` has the angular
+  /// velocity and acceleration of the body and the acceleration of its origin, if the ground has the
+  /// acceleration -g. v_J is the linear part of the body's twist relative to its predecessor. All are in the
+  /// axes of the body.
   template <class Put>
   [[gnu::always_inline]] void run(const Tree<T>& tree, const T* q, const T* v, const T* a,
                                   const Loads<T>& loads, const Vec3<T>& g, Put&& put) noexcept {

@@ -4,10 +4,10 @@
 namespace axode {
 
 /// The inverse mass matrix M⁻¹ from M = LᵀDL, for states in SIMD lanes. On trees with short paths this takes
-/// fewer operations than articulated bodies, and few digits are lost. The path of a velocity i has i itself,
-/// the earlier velocities of its joint, and the velocities of all joints between this joint and the ground.
-/// L_ci is 0 unless i is on the path of c, and X = L⁻ᵀ has the transposed pattern. M⁻¹_ij = Σ_k X_ki X_kj /
-/// D_k, summed over the velocities k that are on the paths of both i and j. O(n d²) for a tree of depth d.
+/// fewer operations than the articulated-body algorithm. The path of a velocity i has i itself, the earlier
+/// velocities of its joint, and the velocities of all joints between this joint and the ground. L_ci is 0
+/// unless i is on the path of c, and X = L⁻ᵀ has the transposed pattern. M⁻¹_ij = Σ_k X_ki X_kj / D_k, summed
+/// over the velocities k that are on the paths of both i and j. O(nv² d) if paths have at most d velocities.
 template <class T> struct FastInverseMassMatrix {
   static constexpr int longest_path = 16;
   static constexpr int most_velocities = 64;

@@ -5,14 +5,13 @@
 
 namespace axode {
 
-/// The Jacobians of any number of places (frames on bodies) at one configuration. Poses of the bodies and
-/// screws of the joints are computed once. For each place with position r_f, only the columns of the joints
-/// on its path to the ground are computed: with a joint screw (ω; v) in inertial axes about the origin r of
-/// the body of the joint,
+/// The Jacobians of places (frames on bodies) at one configuration, from poses of the bodies and screws of
+/// the joints that are computed once. For each place with position r_f, only the columns of the joints on its
+/// path to the ground are computed. With a joint screw (ω; v) in inertial axes about the origin r of the body
+/// that the joint moves, a column in hybrid representation is
 ///   J_c^h = (ω; v + ω × (r_f - r)).
-/// A column takes 15 products and sums, in body-fixed representation 30 more. Positions are relative to the
-/// root body, so that no digits are lost far from the inertial origin; only spatial columns are about the
-/// inertial origin.
+/// It takes 15 products and sums, and 30 more in body-fixed representation. Except in spatial representation,
+/// positions are relative to the root body, so that no digits are lost far from the inertial origin.
 template <class T, class G = typename FastGeometry<T>::type> struct FastJacobians {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;

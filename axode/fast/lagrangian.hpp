@@ -5,14 +5,14 @@
 
 namespace axode {
 
-/// Computes the partial derivatives of the Lagrangian T - U, the kinetic less the potential energy: the
-/// momenta p = M v and f = ∂(T - U)/∂q at constant v (both left-trivialised). The generalised forces of the
-/// loads are added to f. Without drive forces, p' = f + ad_vᵀ p. Everything is in the axes of the joint
-/// frames of the bodies.
+/// Computes the momenta p = M v and f = ∂(T - U)/∂q at constant v (both left-trivialised), the partial
+/// derivatives of the Lagrangian T - U with the kinetic energy T and the potential energy U. f also has the
+/// generalised forces of the loads, so that p' = f + ad_vᵀ p without drive forces. Everything is in the axes
+/// of the joint frames of the bodies.
 ///
-/// For a joint, let (ω; u) be the twist of the predecessor about the origin of the body, and (l; k) and (m;
-/// w) the momentum and the wrench of gravity and loads of the subtree. Then the entries for the joint with
-/// the screws S are
+/// For a joint with the screws S, about the origin of the body that it moves, let (ω; u) be the twist of the
+/// predecessor, (l; k) the momentum of the subtree, and (m; w) the wrench of gravity and loads on the
+/// subtree. Then the entries for the joint are, without armatures,
 ///   Sᵀ (l; k) in p,   Sᵀ (m + l × ω + k × u; w + k × ω) in f.
 /// It takes about 110 products and sums per hinge.
 template <class T> struct FastLagrangian {

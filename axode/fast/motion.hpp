@@ -99,11 +99,10 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
     return {angular, linear};
   }
   /// Changes x from the motion of a frame to that of another frame that is fixed to the same body. x has the
-  /// rotation of the frame, the position and velocity of its origin and, if `rates`, the acceleration of its
-  /// origin and the angular acceleration x.dw of the body, which is the same for both frames. w is the
-  /// angular velocity of the body, to.R the rotation of the other frame, and to.r the vector from the origin
-  /// of the first frame to that of the other one. All vectors are in inertial axes, and rotations are
-  /// relative to these axes.
+  /// rotation of the frame, the position and velocity of its origin and, if `rates`, the acceleration of the
+  /// origin and the angular acceleration of the body. w is the angular velocity of the body, to.R the
+  /// rotation of the other frame, and to.r the vector from the origin of the first frame to that of the other
+  /// one. All vectors are in inertial axes, and rotations are relative to these axes.
   static void carry(Body& x, const Factor& w, const Placed<G>& to) noexcept {
     const Factor d(to.r);
     const Vector w_d = cross(w, d);

@@ -74,10 +74,10 @@ template <class G, class T, class S>
 }
 
 /// Computes the poses of the internal frames (joint frames) of all bodies, and calls put(i, (R, r)) with the
-/// pose of each body i. Without From::root, R and r are relative to the inertial frame. With From::root, r is
-/// the position relative to the origin of the root body, the first body on the path from the ground, in
-/// inertial axes. With From::root_axes, R and r are relative to the frame of the root body. It takes 51
-/// products and sums for a hinge.
+/// rotation R and the position r of each body i. With From::inertial_frame, both are relative to the inertial
+/// frame. With From::root, R is relative to the inertial frame, and r is the vector from the origin of the
+/// root body (the first body on the path from the ground) in inertial axes. With From::root_axes, both are
+/// relative to the frame of the root body. It takes 51 products and sums for a hinge.
 template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   enum class From { inertial_frame, root, root_axes };
   JointAngles<T> angles;
