@@ -13,11 +13,11 @@
 
 namespace axode {
 
-/// The loops and prescribed motions of a mechanism in a simulation. A ClosedMotion computes accelerations
-/// that keep the loops closed and follow the prescribed motions. At the end of a step it projects q by a
-/// displacement, and v by impulses, which are least in the norm of the mass matrix. Prescribed motions count
-/// as loops, whose residual is the deviation from the motion. See (D7.12), (D7.13) and (D12.1) of
-/// docs/derivations.
+/// The loops and prescribed motions of a mechanism in a simulation. A prescribed motion counts as a loop
+/// whose residual is the deviation from the motion. A ClosedMotion computes accelerations that keep the loops
+/// closed. At the end of a step it changes q by a displacement and v by impulses such that the equations of
+/// the loops hold; both changes are the least ones in the norm of the mass matrix ((D7.12), (D7.13) and
+/// (D12.1) of docs/derivations).
 class ClosedMotion {
  public:
   using Span = std::span<const double>;

@@ -45,7 +45,8 @@ class KinematicSolver {
         forces_(model_.nv()) {}
 
   /// Moves q by Newton's method to a configuration that closes the loops and follows the prescribed motions
-  /// at time t. Returns false if this fails or if the displacements add up to more than `reach` (rad or m).
+  /// at time t. Returns false if the method does not converge or q moves too far: the largest entries of the
+  /// displacements of all iterations may add up to at most `reach` (rad or m).
   bool close(double t, double reach, Vector& q) {
     motions_.impose(t, system_);
     const Vector before = q;

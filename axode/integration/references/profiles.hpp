@@ -6,16 +6,16 @@
 /// Motions from rest at a configuration `start` to rest at a configuration `goal`, within limits of
 /// velocities and accelerations, for controllers to follow. Every joint moves along its geodesic: q = start ⊕
 /// s X, v = s' X and a = s'' X, where X is the displacement from start to goal, start ⊕ X = goal, with
-/// rotations the shorter way round, and the profile s of the joint rises from 0 to 1. The profile is a
-/// polynomial of degree 5 in quintic_profile(), and has a trapezoidal velocity s' in trapezoidal_profile().
-/// All joints start and arrive together. The duration is the shortest one with which such profiles keep every
-/// joint within its limits.
+/// rotations the shorter way round. Each joint has a profile s, a function of time that rises from 0 to 1. It
+/// is a polynomial of degree 5 in quintic_profile(), and has a trapezoidal velocity s' in
+/// trapezoidal_profile(). All joints start and arrive together, in the shortest time in which such profiles
+/// keep every joint within its limits.
 ///
-/// The trajectory begins at t = 0. If start and goal are equal, it has one state. Otherwise it has about
-/// fifty states, and one at each jump of an acceleration. Between the states Trajectory::at() interpolates by
-/// polynomials of degree 5, which is exact because the profiles are polynomials of degree 5 or less there.
-/// Coupled joints follow their leaders; their limits are ignored. Loops are open between start and goal, as
-/// controllers follow driven joints only. O(n).
+/// The trajectory begins at t = 0. If start and goal are equal, it has one state. Otherwise it has at least
+/// fifty steps, and a state at each jump of an acceleration. Between the states, Trajectory::at()
+/// interpolates by polynomials of degree 5, which is exact because the profiles are polynomials of degree 5
+/// or less there. Coupled joints follow their leaders; their limits are ignored. Loops are not closed between
+/// start and goal. O(n) for n bodies.
 ///
 /// The functions throw std::invalid_argument for wrong sizes, numbers that are not finite, quaternions that
 /// are not of unit norm, a goal outside the limits of the joints, and limits that are not positive.
@@ -32,11 +32,11 @@ struct ProfileLimits {
 Trajectory quintic_profile(const Model& model, std::span<const double> start, std::span<const double> goal,
                            const ProfileLimits& limits);
 
-/// Computes a motion from rest at `start` to rest at `goal` with trapezoidal velocities: each joint has
-/// constant acceleration, constant velocity (if the fastest such motion of this joint alone reaches its
-/// velocity limit) and constant deceleration. All joints start and arrive together, in the shortest time for
-/// which these profiles are within the limits of velocity and acceleration of every joint. Accelerations
-/// jump.
+/// Computes a motion from rest at `start` to rest at `goal` with trapezoidal velocities. Each joint has
+/// constant acceleration, then constant velocity, then constant deceleration. A joint has no phase of
+/// constant velocity if it does not reach its velocity limit when it moves alone as fast as possible. All
+/// joints start and arrive together, in the shortest time for which these profiles are within the limits of
+/// velocity and acceleration of every joint. Accelerations jump.
 Trajectory trapezoidal_profile(const Model& model, std::span<const double> start,
                                std::span<const double> goal, const ProfileLimits& limits);
 
