@@ -13,7 +13,7 @@ enum class Strictness {
   strict,   ///< such defects are errors
 };
 
-/// Collects a description, checks all of it and compiles it.
+/// Collects the elements of a mechanism in a description, checks the description, and makes a Model of it.
 ///
 ///     Model arm = ModelBuilder("arm")
 ///         .add({.name = "upper arm",
@@ -61,11 +61,11 @@ Description with_free_base(Description description);
 Description with_fixed_base(Description description);
 
 /// Returns a model in which the named joints are fixed at their position in q (nq coordinates of `model`).
-/// Joints that are coupled to one of them are fixed as well. The new model has no initial state, and no
-/// prescribed motions of fixed joints. It has no loops between bodies that can no longer move relative to
+/// Joints that follow one of them as their leader are fixed as well. The new model has no initial state, and
+/// no prescribed motions of fixed joints. It has no loops between bodies that can no longer move relative to
 /// each other, and no couplings or springs that act on fixed joints alone, even if such a loop or coupling is
-/// not closed at q. Throws std::invalid_argument for an unknown or coupled joint, for a joint that a drive
-/// with states acts on, and for a q of a wrong size or with a quaternion that is not of unit norm.
+/// not closed at q. Throws std::invalid_argument for a joint that is unknown, follows a leader, or is acted
+/// on by a drive with states, and for a q of a wrong size or with a quaternion that is not of unit norm.
 Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q);
 
 }  // namespace axode

@@ -71,13 +71,13 @@ class Compiler {
   }
 
  private:
-  /// Where a body of the description is in the model: `carrier` is the index of the moving body into which it
-  /// is merged (0 for the ground), or of the body itself. In the frame of the described body, the joint frame
-  /// of the carrier has the pose S F. If the body is merged and its geometry is described in the inertial
-  /// frame, S is this pose, and F is the identity. Otherwise S is the pose of the joint frame of the
-  /// described body in the frame of this body, and F is the pose of the joint frame of the carrier relative
-  /// to that joint frame. S and F are stored apart, because S F may be a short displacement while S and F are
-  /// long ones.
+  /// Where a body of the description is in the model. `carrier` is the index of the moving body into which
+  /// the described body is merged (0 for the ground) or, if it is not merged, its own index. The joint frame
+  /// of the carrier has the pose S F in the frame of the described body. If the described body is merged and
+  /// its geometry is given in the inertial frame, F is the identity. Otherwise S is the pose of the body's
+  /// own joint frame in the body frame, and F the pose of the carrier's joint frame in that joint frame. S
+  /// and F are stored separately, because S F may be a short displacement while S and F are long ones, so
+  /// that digits would be lost.
   struct Carried {
     int carrier = 0;
     SE3<> S, F;

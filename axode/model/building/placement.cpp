@@ -85,8 +85,8 @@ constexpr double most_radii = 16;
 /// Computes the poses of a body and its joint frame at q = 0 from those of its predecessor (null for the
 /// ground). `mass` has the centre of mass and radius of gyration of the body or, if it has no mass, of its
 /// first descendant with mass. If the body is described in the construction frame (the inertial frame at q =
-/// 0), the joint frame of a prismatic joint is moved to this centre of mass if it is further away from it
-/// than `most_radii` times the radius of gyration.
+/// 0), the frame of a prismatic joint has its origin at this centre of mass instead of the described point,
+/// if the two are further apart than `most_radii` times the radius of gyration.
 Placement reference_placement(const BodyDescription& body, const Placement* predecessor,
                               const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;

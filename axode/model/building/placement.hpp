@@ -62,16 +62,14 @@ struct Placement {
 /// the axes of that frame, and the joint frame of a free joint is the body frame.
 ///
 /// The joint frame of a fixed joint has no influence on the motion. If the body is described by joint frames,
-/// it is the described one. Otherwise it is the body frame, except for a body that is described in the
-/// construction frame (the inertial frame at q = 0) and whose predecessor is not the ground: then it is the
-/// joint frame of the predecessor. The frame of such a body is often the construction frame itself, which may
-/// be far from the body.
+/// the described frame is taken. If the body is described in the construction frame (the inertial frame at q
+/// = 0) and its predecessor is not the ground, the joint frame of the predecessor is taken, because the frame
+/// of such a body may be far from the body. Otherwise the body frame is taken.
 ///
 /// The point of a prismatic joint has no influence on the motion either. If a body that is described in the
 /// construction frame has its centre of mass further away from this point than 16 radii of gyration, the
-/// origin of the joint frame is the centre of mass. For this choice, the centre of mass and radius of
-/// gyration of a body without mass are those of its first descendant that has mass and is described in the
-/// construction frame.
+/// origin of the joint frame is the centre of mass. A body without mass takes the centre of mass and radius
+/// of gyration of its first descendant that has mass and is described in the construction frame.
 std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order);
 
 /// The two joint frames of a loop in the construction frame at q = 0, and its size as in Loop::size.
