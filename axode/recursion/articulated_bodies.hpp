@@ -10,12 +10,13 @@ namespace axode {
 /// From the leaves to the roots each screw S of a joint is eliminated from the articulated inertia M^A, which
 /// is the inertia of the body with the joints of its subtree free:
 ///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D.
-/// After the last screw of a joint, M^A is moved to the predecessor and added there. A pivot D is a
-/// difference of larger numbers and has their rounding errors; the magnitudes F of these numbers are computed
-/// as well, so that the errors can be estimated.
+/// After the last screw of a joint, M^A is moved to the predecessor and added to the inertia there. The
+/// rounding errors of a pivot D are estimated from the magnitudes F of the numbers of which it is the
+/// difference.
 ///
 /// A velocity that coupled joints share is eliminated at the body where the paths from these joints to the
-/// ground meet. On the way there it adds a column to the inertia of each body, called a tie (Topology::Ties).
+/// ground meet. Each body on these paths has an additional column of its inertia for this velocity, called a
+/// tie (Topology::Ties).
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M_body;  ///< rigid inertia of each body, as Link::inertia() returns it
@@ -156,10 +157,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     backward_step_at_ground(tree, x);
   }
   /// The step at body i of the backward sweep, the first half of the solution of equations with the mass
-  /// matrix and the vector x of right sides, which has one entry for each velocity. It must follow the steps
-  /// of all other bodies in the subtree. If the solution consists of joint accelerations, `bias` has the
-  /// twist rates of the bodies, relative to their predecessors, that remain if all joint accelerations are 0;
-  /// a null `bias` means that all are 0.
+  /// matrix for the right sides x, one for each velocity. It must follow the steps of all other bodies in the
+  /// subtree. If joint accelerations are computed, bias[i] is the twist rate of body i, relative to its
+  /// predecessor, for zero joint accelerations; a null `bias` means that all are 0.
   template <TreeOf<T> AnyTree>
   void backward_step(const AnyTree& tree, int i, const T* x,
                      const TwistRate<Rep, T>* bias = nullptr) noexcept {
@@ -194,11 +194,11 @@ template <class Rep, class T> struct ArticulatedBodies {
   template <TreeOf<T> AnyTree> void backward_step_at_ground(const AnyTree& tree, const T* x) noexcept {
     for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) backward_step_of_tie(tree, 0, t, x);
   }
-  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i (0 is the ground), in a sweep from
-  /// the leaves to the ground. These are the velocities of the joint of body i, unless it shares them with
-  /// other, coupled joints; a shared velocity is eliminated at the body, or the ground, where the paths from
-  /// the joints to the ground meet. D_c is the pivot of the velocity, and u_c is the entry of u = L⁻ᵀ x that
-  /// the backward sweep has computed from the right sides x, with the mass matrix Lᵀ D L.
+  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i (0 is the ground). These are the
+  /// velocities of joint i, unless other, coupled joints share them, and the shared velocities for which the
+  /// paths from the coupled joints to the ground meet at body i. D_c is the pivot of the velocity in the mass
+  /// matrix Lᵀ D L, and u_c is the entry of u = L⁻ᵀ x that the backward sweep has computed from the right
+  /// sides x.
   template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
     const Topology::Ties& ties = tree->ties;
     if (i > 0 && ties.own[i] < 0)
@@ -209,10 +209,10 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The forward sweep, from the roots to the leaves, of the solution of equations with the mass matrix M =
-  /// Lᵀ D L. With a null `bias` it computes the solution x = L⁻¹ D⁻¹ u from the result u of the backward
-  /// sweep. Otherwise x are joint accelerations, and `bias`, which the backward sweep must have received as
-  /// well, has the twist rates of the bodies, relative to their predecessors, for x = 0. It is added to
-  /// the twist rates of the bodies from which x is computed.
+  /// Lᵀ D L. It computes x = L⁻¹ D⁻¹ u from the result u of the backward sweep. If x are joint accelerations,
+  /// bias[i] is the twist rate of body i, relative to its predecessor, for x = 0, and bias[0] is the twist
+  /// rate of the ground; a null `bias` means that all are 0. The backward sweep must have received the same
+  /// `bias`.
   template <TreeOf<T> AnyTree>
   void forward_sweep(const AnyTree& tree, T* x, const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -282,32 +282,31 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The inertias that couple joint screw s of body i with the ties of body i, after the elimination of the
-  /// velocities that a sweep from the leaves to the ground eliminates before that of screw s. A tie of body i
-  /// is a column of its articulated inertia for a velocity that coupled joints share, some of them in the
-  /// subtree of body i; the velocity is eliminated at body i or nearer to the ground. Ties are numbered
-  /// through all bodies. Entry t of the returned pointer belongs to tie t.
+  /// Returns the inertias that couple joint screw s of body i with the ties of body i when the velocity of
+  /// the screw is eliminated; entry t belongs to tie t, and ties are numbered through all bodies. A tie of
+  /// body i is a velocity that coupled joints share, some of them in the subtree of body i, and that is
+  /// eliminated at body i or nearer to the ground.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// The inertias that couple tie t of a body with the ties of this body, itself included, after the
-  /// elimination of the velocities that a sweep from the leaves to the ground eliminates before that of tie
-  /// t. A tie of a body is a column of its articulated inertia for a velocity that coupled joints share, some
-  /// of them in the subtree of the body; the velocity is eliminated at this body or nearer to the ground.
-  /// Ties are numbered through all bodies. Entry o of the returned pointer belongs to tie o. There are
-  /// entries only for ties in the group of t; Topology::Ties divides the ties of a body into groups that the
-  /// elimination does not couple with each other.
+  /// Returns the inertias that couple tie t of a body with the ties of this body, itself included, after the
+  /// elimination of the velocities in the subtree that precede that of tie t in a sweep from the leaves to
+  /// the ground; entry o belongs to tie o, and ties are numbered through all bodies. A tie of a body is a
+  /// velocity that coupled joints share, some of them in the subtree of the body, and that is eliminated at
+  /// this body or nearer to the ground. There are entries only for ties in the group of t: Topology::Ties
+  /// divides the ties of a body into groups that the elimination does not couple with each other.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
-  /// Adds joint screw S = S[s] of body i, whose joint is coupled, to tie t of the body, which is a column of
-  /// its articulated inertia M for the velocity that the joint shares with others. S is the screw for a unit
-  /// rate of this velocity. U_t (U_tie) is the wrench on the body for this rate, and D_to (D_tie) is the
-  /// inertia that couples tie t with tie o of the body. By (D4.11), for every other tie o of the body that is
-  /// eliminated later,
+  /// Adds joint screw S = S[s] of body i to the tie of the velocity that its joint shares with other, coupled
+  /// joints. S is the screw for a unit rate of this velocity, and M the articulated inertia of body i. A tie
+  /// t is an additional column U_t (U_tie) of M for a shared velocity: the wrench on the body for a unit
+  /// rate. D_to (D_tie) is the inertia that couples the ties t and o of the body. By (D4.11) of
+  /// docs/derivations, for the tie t of this velocity and every other tie o of the body that is eliminated
+  /// later,
   ///   D_tt += 2 U_t·S + Sᵀ M S,  D_to += U_o·S,  then  U_t += M S.
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -326,11 +325,11 @@ template <class Rep, class T> struct ArticulatedBodies {
     U_tie[own] += MS;
     scale_tie[own] += F[i] * S[s] | S[s];
   }
-  /// Eliminates the velocity of screw S = S[s] of body i: changes the articulated inertia M of the body, and
-  /// the ties of the body. A tie is an additional column of M for a velocity that several coupled joints
-  /// share and that is eliminated nearer to the ground. F has the magnitudes of the numbers from which M was
-  /// computed, against which rounding errors are compared; G is F S, and `size` is the magnitude of the
-  /// numbers from which the pivot D was computed.
+  /// Eliminates the velocity of screw S = S[s] of body i from the articulated inertia M of the body and from
+  /// its ties. A tie is an additional column of M for a velocity that several coupled joints share and that
+  /// is eliminated nearer to the ground. G = F S, where F has the magnitudes of the numbers from which M was
+  /// computed, against which rounding errors are compared; `size` is the magnitude of the numbers from which
+  /// the pivot D was computed.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;

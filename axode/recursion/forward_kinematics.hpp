@@ -143,7 +143,8 @@ template <class Rep, class T> struct BodyMotion {
 };
 
 /// The forward kinematics recursion in any representation (Müller, eqs. VbRec, Vsrec, VhRec, cVbRec2, dVsRec,
-/// dVhRec2) for the twists V_i of the bodies and their rates:
+/// dVhRec2) for the twists V_i of the bodies and their rates, with the screws S, velocities v and
+/// accelerations a of the joint of body i:
 ///   V_i  = down(V_p)  + S v
 ///   V'_i = down(V'_p) + S a + bias(V_p, V_i, S v)
 /// down() transforms twists and rates from the predecessor p to body i, and bias() is the part of V'_i that

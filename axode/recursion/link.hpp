@@ -4,9 +4,10 @@
 #include "axode/recursion/articulated_inertia.hpp"
 
 /// Link<Rep>: the transformations of twists and wrenches between body i and its predecessor p, and the
-/// dynamics of the body, in each representation. C, R and r are poses, rotations and positions; S v is the
-/// twist of the joint. push() converts from body-fixed coordinates to Rep, and pull() converts back; the
-/// table has the matrix of push() for twists.
+/// Newton-Euler equations of the body, in each representation. C = (R, r) is the pose of body i in the
+/// inertial frame, C_ip that of p in body i, and r_ip the vector from the origin of i to that of p. The twist
+/// of body i is V = (ω; v), that of its joint is S v, and M is the body-fixed inertia. push() converts from
+/// body-fixed coordinates to Rep, and pull() converts back; the table has the matrix of push() for twists.
 ///
 ///                body-fixed  spatial       hybrid                   mixed
 ///  push, pull    identity    Ad_C          Ad_R                     diag(I, R)       body-fixed <-> Rep

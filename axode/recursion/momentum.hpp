@@ -109,10 +109,10 @@ template <class Rep, class T> struct MomentumForm {
 /// Computes the rates of the state (q, Π), where Π are the spatial momenta of all bodies, by Müller's eq.
 /// PEs:
 ///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s.
-/// J^s is the spatial Jacobian of all bodies, and W_app are the applied wrenches. Body i has the spatial
-/// inertia M_i^s, the Jacobian J_i^s and the momentum Π_i^s. Both equations are solved in O(n) by a sweep
-/// from the leaves to the roots and one from the roots to the leaves ((D5.8), (D5.10) and (D5.11) of
-/// docs/derivations). Without armatures both have the same articulated inertias, which are computed once.
+/// J^s is the spatial Jacobian of all bodies, τ are the drive forces, and W_app the applied wrenches. Body i
+/// has the spatial inertia M_i^s, the Jacobian J_i^s and the momentum Π_i^s. Both equations are solved in
+/// O(n) by a sweep from the leaves to the roots and one from the roots to the leaves ((D5.8), (D5.10) and
+/// (D5.11) of docs/derivations).
 template <class T> struct SpatialMomentumForm {
   ArticulatedBodies<Spatial, T> bodies;
   Wrench<Spatial, T>* W;
@@ -131,11 +131,10 @@ template <class T> struct SpatialMomentumForm {
         x(arena.per_velocity<T>()) {}
 
   /// Writes the joint velocities v (nv numbers) that belong to the momenta Π of the n bodies, and the rates
-  /// Π' of these momenta. The results may share the memory of arguments. v is computed from Π with the mass
-  /// matrix without armatures, because armatures have no part in the momenta of bodies. Π' contains
-  /// accelerations, which are computed with the mass matrix with armatures. If the mass matrix without
-  /// armatures is singular, v and Π' are NaN. Π' alone is NaN if the mass matrix with armatures is found to
-  /// be singular or a number is not finite. O(n).
+  /// Π' of these momenta. The results may share the memory of arguments. v is computed with the mass matrix
+  /// without armatures, which have no part in the momenta of bodies; Π' follows from accelerations, which are
+  /// computed with the mass matrix with armatures. If the mass matrix without armatures is singular, v and Π'
+  /// are NaN. Π' alone is NaN if the mass matrix with armatures is singular or a number is not finite. O(n).
   Solvability run(const Tree<T>& tree, const T* q, const Momentum<Spatial, T>* Pi, const T* tau,
                   const Loads<T>& loads, T* v, Wrench<Spatial, T>* dPi) noexcept {
     joint_poses(tree, q, bodies.links.C_pi);

@@ -8,10 +8,10 @@
 namespace axode {
 
 /// Factorises the mass matrix H = LᵀDL in place (nv × nv, row by row; (D4.7) and (D4.8) of docs/derivations).
-/// H is overwritten above its diagonal as well. Calls check.add(c, D_c, scale) for the pivot D_c of each
-/// velocity c. scale() computes the magnitude of the numbers from which D_c results; it needs
-/// `inertia_scale`, the magnitude of the inertia of each velocity. If `check` calls scale() for all pivots,
-/// this costs another O(n d²) for a tree of depth d.
+/// Calls check.add(c, D_c, scale) for the pivot D_c of each velocity c. scale() computes the magnitude of the
+/// numbers from which D_c results, from the magnitude `inertia_scale` of the inertia of each velocity, and
+/// overwrites H above its diagonal. If it is called for all pivots, this costs another O(n d²) for a tree of
+/// depth d.
 template <class T, class Check>
 void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) noexcept {
   const int nv = tree->nv;
