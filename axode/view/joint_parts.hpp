@@ -27,9 +27,9 @@ struct DrawnJoint {
 
 /// The shapes by which a joint is drawn. A hinge is a pin in a fork of the predecessor. In planar mechanisms
 /// the bodies are drawn in layers, at different heights along the axis of the hinge; the pin then goes
-/// through an eye of each body. A spherical joint is a ball in a socket, a helical joint a thread in a nut, a
-/// planar joint a pad on a plate, and a prismatic joint a sleeve. Shapes on bodies that are not drawn are
-/// left out. Free joints have no shapes.
+/// through an eye of each body. A spherical joint is a ball in a socket, a helical joint a screw in a nut, a
+/// planar joint a pad on a plate, and a prismatic joint a block. The fork, tongue, eye, socket, nut or plate
+/// of a body is left out if no placeholder of the body reaches to the joint. Free joints have no shapes.
 std::vector<StandIn> parts_of(const DrawnJoint& joint);
 
 }  // namespace axode::view

@@ -14,12 +14,12 @@ struct FoundMesh {
   std::string error;  ///< empty if the file exists
 };
 
-/// Finds the file of a mesh by its name in a description. A name `package://name/path` is searched in the
-/// folders of ROS_PACKAGE_PATH and in the subfolder `share` of the folders of AMENT_PREFIX_PATH; a name
-/// `model://name/path` in the folders of GZ_SIM_RESOURCE_PATH and GAZEBO_MODEL_PATH. Both are also searched
-/// in the folder of the description's file and in all its parents. `file://` and absolute paths are used as
-/// they are; other paths are relative to the folder of the description's file or, if there is none, to the
-/// working directory.
+/// Finds the file of a mesh by its name in a description. The package of a name `package://package/path` is
+/// searched in the folders of ROS_PACKAGE_PATH and in the subfolder `share` of the folders of
+/// AMENT_PREFIX_PATH; the model of a name `model://model/path` in the folders of GZ_SIM_RESOURCE_PATH and
+/// GAZEBO_MODEL_PATH. Packages and models are also searched in the folder of the description's file and in
+/// all its parents. `file://` and absolute paths are used as they are; other paths are relative to the folder
+/// of the description's file or, if the description has no file, to the working directory.
 FoundMesh find_mesh(const std::string& name, const Source& referenced_from);
 
 inline constexpr std::size_t largest_mesh = std::size_t{64} << 20;  ///< largest size of a mesh file, bytes
