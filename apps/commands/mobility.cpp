@@ -152,11 +152,11 @@ std::string ranks(const LocalMobility& found) {
   return text;
 }
 
-/// A table for a branch, a curve or surface of configurations of a mechanism through a given one. It has a
-/// row for each coordinate. The columns are the tangents of the branch and, for a curve, the curvature. At a
-/// cusp they are the coefficients of the first two terms of the power series of the curve instead. The last
-/// column says whether the coordinate rests along the whole branch (idle) or only at the given configuration
-/// (dead point).
+/// Returns a table of one branch of the motion of a mechanism: a curve or surface of configurations through
+/// the given one. The table has a row for each coordinate. Its columns are the tangent vectors of the branch
+/// and, for a curve, the curvature; for a curve with a cusp they are the first two coefficients of its power
+/// series instead. The last column says whether the coordinate is constant along the whole branch (idle) or
+/// has the rate 0 only at the given configuration (dead point).
 std::string coordinates_table(const LocalMobility& found, const MotionBranch& branch) {
   std::vector<std::string> headings{"joint"};
   std::vector<std::vector<double>> columns;
