@@ -37,13 +37,14 @@ State random_state(const Model& model, unsigned seed);
 ///
 ///     {"q": [0.1, 0.2], "v": {"elbow": 1}, "a": {}, "loads": [{"frame": "tool", "wrench": [0, 0, 0, 0, 0, 5]}]}
 ///
-/// The keys for numbers are q, v, a, jerk, snap, the drive forces tau, the momenta p, the direction dq, dv,
-/// da, dtau of a directional derivative, and the weights w of the components of τ or a in a weighted sum, of
-/// which a gradient is computed. The value of each is an array in the order of the model or an object keyed
-/// by joint name. Missing numbers are those of the neutral configuration (0, or the quaternion of no
-/// rotation) for q, 1 for w and 0 for all others. "targets" are poses for inverse kinematics: a list of
-/// objects {"frame", "pose"}, where the pose is four rows of four numbers. Loads are wrenches on frames, by
-/// default in the representation "body". Throws InputError with all faults of the file.
+/// The keys for numbers are q, v, the time derivatives a, jerk and snap of v, the drive forces tau, the
+/// momenta p, the direction dq, dv, da, dtau of a directional derivative, and the weights w of the components
+/// of τ or a in a weighted sum, of which a gradient is computed. The value of each is an array in the order
+/// of the model or an object keyed by joint name. Missing numbers are those of the neutral configuration (0,
+/// or the quaternion of no rotation) for q, 1 for w and 0 for all others; without the key p the state has no
+/// momenta. "targets" are poses for inverse kinematics: a list of objects {"frame", "pose"}, where the pose
+/// is four rows of four numbers. "loads" are wrenches on frames, in the representation that the key
+/// "representation" names, or "body" without this key. Throws InputError with all faults of the file.
 State read_state(const Model& model, const std::string& file);
 
 /// A sequence of states, for which `axode eval` computes quantities.
