@@ -16,11 +16,11 @@ struct ContractionCount {
   long longest_path;  ///< operations on the longest path, with a processor for each body
 };
 /// Counts the operations of forward dynamics by tree contraction, a parallel algorithm that joins bodies in
-/// rounds. A round can also join neighbours in chains of bodies with one child each (a compression). Entry k
-/// of the result belongs to an algorithm with compressions in the first k rounds only. Entry 0 is the
-/// articulated-body algorithm. The list ends when one more round adds no compression, or at a pivot so small
-/// that the mass matrix, or the inertia of a part of the tree, may be singular. It is empty if the mass
-/// matrix may be singular.
+/// rounds. Entry k of the result is for the algorithm that, in its first k rounds only, also joins pairs of
+/// neighbours in chains of bodies with one child each (compressions). Entry 0 is the articulated-body
+/// algorithm. The list ends before the first entry that would have no more compressions than the previous
+/// one, or in which a pivot is so small that the mass matrix, or the inertia of a part of the tree, may be
+/// singular.
 std::vector<ContractionCount> contraction_counts(const Model& model, const State& state);
 
 }  // namespace axode::command

@@ -27,27 +27,26 @@ struct OneByOne {
 ///
 /// The algorithm is the divide and conquer of Featherstone (A divide-and-conquer articulated-body algorithm
 /// for parallel O(log(n)) calculation of rigid-body dynamics, Int. J. Robotics Research 18(9), 1999, pp.
-/// 867-892) with other inputs of a segment. Featherstone's inputs are the wrenches at both ends. Here they
-/// are the acceleration a of the first body and the wrench f that the last body passes on to the node below,
-/// 0 if there is none. The outputs are
+/// 867-892) with other inputs: instead of the wrenches at both ends of a segment, the acceleration a of its
+/// first body and the wrench f that its last body passes on to the node below, 0 if there is none. The
+/// outputs are
 ///   wrench on the first body = K a + Eᵀ f + κ,  acceleration of the last body: b = E a - N f + α.   (1)
-/// The coefficients K, E, κ, N and α belong to the segment. For one body, K is its inertia, E = I, and N and
-/// α are 0; nothing is inverted, so that massless bodies are allowed. The joint above a segment, with the
-/// screws S, the acceleration x, the drive force τ and the bias c, is eliminated by a = a_p + c + S x, where
-/// a_p is the acceleration of the predecessor. With U = K S, G = E S, D = Sᵀ U + armature and u = τ - Sᵀ κ
-/// this gives
+/// The coefficients K, E, κ, N and α belong to the segment. For one body, K is its inertia, κ its bias
+/// wrench, E = I, and N and α are 0; nothing is inverted, so that massless bodies are allowed. The joint
+/// above a segment, with the screws S, the acceleration x, the drive force τ and the bias c, is eliminated by
+/// a = a_p + c + S x, where a_p is the acceleration of the predecessor. With U = K S, G = E S, D =
+/// Sᵀ U + armature and u = τ - Sᵀ κ this gives
 ///   x = (u - Uᵀ (a_p + c) - Gᵀ f) / D,  K -= U Uᵀ / D,  E -= G Uᵀ / D,  N += G Gᵀ / D,               (2)
 ///   κ += U u / D + K c,  α += G u / D + E c.
-/// Let K', E', N', κ', α' be the coefficients of a lower segment after (2). If no node is below this segment
-/// and the node above it is a single body, the step adds K' and κ' to K and κ of the body, as in the
-/// articulated-body algorithm. Otherwise the lower segment is joined to the upper one, with K, E, N, κ, α, as
-/// follows. With K' = L Lᵀ, R Rᵀ = I + Lᵀ N L, B = N L R⁻ᵀ, X = R⁻¹ Lᵀ E, P = E - B X, Q = N - B Bᵀ,
-/// h = α - B R⁻¹ Lᵀ α, and the wrench f that the lower segment passes on, the acceleration of the upper
-/// segment's last body is
+/// A step joins a lower segment, with the coefficients K', E', N', κ', α' after (2), to the upper segment
+/// above it, with K, E, N, κ, α. If no node is below the lower segment and the upper one is a single body,
+/// the step adds K' and κ' to K and κ, as in the articulated-body algorithm. Otherwise let K' = L Lᵀ,
+/// R Rᵀ = I + Lᵀ N L, B = N L R⁻ᵀ, X = R⁻¹ Lᵀ E, P = E - B X, Q = N - B Bᵀ and h = α - B R⁻¹ Lᵀ α. If the
+/// lower segment passes on the wrench f, the acceleration of the upper segment's last body is
 ///   b = P a + h - Q (E'ᵀ f + κ'),                                                                    (3)
 /// and the joined segment has, with π = h - Q κ', in place of K, E, N, κ and α
 ///   K + Xᵀ X,  E' P,  N' + E' Q E'ᵀ,  κ + Eᵀ (K' π + κ'),  α' + E' π.                                (4)
-/// The tree must have no coupled joints, and no loads act.
+/// The tree must have no coupled joints. Only gravity and the drive forces act.
 template <class T> class TreeContraction {
  public:
   explicit TreeContraction(const Tree<double>& tree, ContractionPlan plan)
