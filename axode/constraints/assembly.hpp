@@ -43,17 +43,18 @@ struct AssemblyResult {
 std::string to_string(const Model& model, const AssemblyResult& result);
 
 /// Finds a configuration near q in which the loops are closed and the model's prescribed motions are followed
-/// at the time options.time. The method is that of Levenberg and Marquardt on the configuration manifold.
-/// Unless v is empty, also finds velocities that keep the loops closed and follow the motions. These are the
-/// velocities nearest to v in kinetic energy or, if some velocities are held fixed (options.held), in the
-/// Euclidean norm. For this norm lengths are divided by the largest distance of a body on a loop from the
-/// first body on its path from the ground.
+/// at the time options.time, by the method of Levenberg and Marquardt on the configuration manifold. Unless v
+/// is empty, also finds velocities that keep the loops closed and follow the motions. Of these velocities,
+/// those with the least kinetic energy of the difference from v are taken. If some velocities are held fixed
+/// (options.held), those with the least Euclidean norm of the difference are taken, in which lengths are
+/// divided by the largest distance of a body on a loop from the first body on its path from the ground.
 ///
 /// Redundant loop equations are allowed. Convergence is slow near configurations from which the mechanism can
-/// move in several ways. A residual that stops decreasing counts as 0 if it is within a bound on its rounding
-/// errors, or within a thousand times the tolerance. Limits of coordinates are ignored. Allocates; O(m nv²)
-/// for each iteration with m loop equations. Throws std::invalid_argument for wrong sizes, for numbers in q
-/// or v that are not finite, and for held velocities that do not exist.
+/// move in several ways. If the residual of the loops and motions stops decreasing, it counts as 0 if it is
+/// within a bound on its rounding errors, or within a thousand times the tolerance. Limits of coordinates are
+/// ignored. Allocates; O(m nv²) for each iteration with m loop equations. Throws std::invalid_argument for
+/// wrong sizes, for numbers in q or v that are not finite, and if an entry of options.held is not the index
+/// of a velocity.
 [[nodiscard]] AssemblyResult assemble(const Model& model, std::span<const double> q,
                                       std::span<const double> v = {}, const AssemblyOptions& options = {});
 

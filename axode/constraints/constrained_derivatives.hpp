@@ -14,13 +14,14 @@ template <class T> struct ClosedDynamicsDerivatives {
   std::span<T> lambda_q = {}, lambda_v = {}, lambda_tau = {};
 };
 
-/// Computes the first derivatives of forward dynamics with loops: of the accelerations a and multipliers λ
-/// with M a + h - Aᵀ λ = τ and A a + γ = 0, where M is the mass matrix and h the bias force of the spanning
-/// tree, A v = 0 are the loop equations, and γ = A' v. If loop equations are redundant, only independent ones
-/// are used (D7.15), and the multipliers of the others are 0. If equations are redundant by geometry
-/// (Bricard's mechanism), only derivatives along velocities v with A v = 0 are meaningful. A direction of q
-/// is q ⊕ ε e_k with a unit vector e_k. Springs are ignored. Allocates; O((nv + m)³) for m loop equations.
-/// Throws std::invalid_argument for wrong sizes and for a model with prescribed motions.
+/// Computes the first derivatives by q, v and τ of the accelerations a and multipliers λ of forward dynamics
+/// with loops, M a + h - Aᵀ λ = τ and A a + γ = 0, where M is the mass matrix and h the bias force of the
+/// spanning tree, A v = 0 are the loop equations, and γ = A' v. Derivatives by q are along q ⊕ ε e_k with the
+/// unit vectors e_k. If loop equations are redundant, only independent ones are used (D7.15), and the
+/// multipliers of the others are 0. If equations are redundant by geometry (Bricard's mechanism), only
+/// derivatives along velocities v with A v = 0 are meaningful. Springs are ignored. Allocates; O((nv + m)³)
+/// for m loop equations. Throws std::invalid_argument for wrong sizes and for a model with prescribed
+/// motions.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,

@@ -104,10 +104,10 @@ void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<con
 }
 
 /// Computes the wrench that each joint of the spanning tree transmits to its body for the multipliers
-/// `lambda` of the loops. W has n_bodies entries in the representation Rep of the body frames, with the
-/// origin of each frame moved to the point `at` of its body (the origin of the body frame, or of the joint
-/// frame). Spatial wrenches are about the inertial origin. The motion and the loop equations of `system` must
-/// have been computed.
+/// `lambda` of the loops. W[i - 1] belongs to joint i, in the representation Rep of the frame of body i, with
+/// this frame moved to the point `at` (origin of the body frame or of the joint frame) without turning it.
+/// Spatial wrenches are about the inertial origin. `system` must have computed the forces of the spanning
+/// tree and the rows of the loop equations.
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
                           std::span<Wrench<Rep, T>> W) {

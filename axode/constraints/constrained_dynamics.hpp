@@ -26,19 +26,19 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
                              std::type_identity_t<std::span<T>> lambda = {},
                              const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes drive forces τ (nv) that produce the accelerations a of a mechanism with loops. `drives` are the
-/// indices of the velocities with drives; if it is empty, all joints that are not passive have drives. If
-/// there are more drives than the mechanism needs, τ is the solution with the least sum of squares, of
-/// numbers in N m and N (D7.10). The multipliers λ of the loop equations are written unless `lambda` is
-/// empty. `forces` (nv, may be empty) are forces that act in addition, such as those of springs. Returns the
-/// norm of the forces that no drive can produce, divided by that of all required forces: 0 to rounding if the
-/// drives can produce a. Throws std::invalid_argument for wrong sizes and, in double precision, if a does not
-/// keep the loops closed.
+/// Computes drive forces τ (nv) that produce the accelerations a of a mechanism with loops. `drives` has the
+/// indices of the velocities on which drives act; if it is empty, these are the velocities of all joints that
+/// are not passive. If several τ produce a, the one with the least sum of squares is computed, of numbers in
+/// N m and N (D7.10). Also computes the multipliers λ of the loop equations unless `lambda` is empty.
+/// `forces` (nv, may be empty) are additional joint forces, such as those of springs. Returns the norm of the
+/// forces that no drive can produce, divided by the norm of all required forces: 0 to rounding if the drives
+/// can produce a. Throws std::invalid_argument for wrong sizes and, in double precision, if a does not keep
+/// the loops closed.
 ///
-/// O(limbs), without allocating, for limbs of bounded size, where a limb is a part of the mechanism that is
-/// coupled to the rest only through one body, the platform ((D18.7) to (D18.9)). If the mechanism can move
-/// while all drives are locked, if λ is wanted and not unique, or near singularities, the function allocates
-/// and costs O(nv³).
+/// A limb is a part of the mechanism that is coupled to the rest only through one body, the platform. For
+/// limbs of bounded size the cost is proportional to their number, without allocation ((D18.7) to (D18.9)).
+/// Near singularities, if the mechanism can move while all drives are locked, or if λ is computed and not
+/// unique, the function allocates and costs O(nv³).
 template <class T>
 [[nodiscard]] T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> a, std::type_identity_t<std::span<T>> tau,
@@ -47,14 +47,14 @@ template <class T>
                                  const std::type_identity_t<Loads<T>>& loads = {},
                                  std::type_identity_t<Numbers<T>> forces = {});
 
-/// Computes the wrench that each joint of the spanning tree transmits from the predecessor to the body, all
-/// six components: drive and reaction. The accelerations a and the multipliers λ of the loops (a number for
-/// each of the loops().rows equations) must belong to one solution of the equations of motion. W[i - 1]
-/// belongs to joint i, in the representation Rep of the frame of body i, with this frame moved to the point
-/// `at` without turning it; spatial wrenches are about the inertial origin. The component of W along a joint
-/// is the drive force, which is 0 in passive joints, minus the forces of armature and losses. Joints in a
-/// coupling also transmit the force of the coupling. The forces of springs are not computed: if springs act
-/// in the given motion, W contains their forces as if the joints transmitted them. O(n + m) for m loop
+/// Computes all six components of the wrench that each joint of the spanning tree transmits from the
+/// predecessor to the body. The accelerations a and the multipliers λ of the loops (a number for each of the
+/// loops().rows equations) must belong to one solution of the equations of motion. W[i - 1] belongs to joint
+/// i, in the representation Rep of the frame of body i, with this frame moved to the point `at` (origin of
+/// the body frame or of the joint frame) without turning it; spatial wrenches are about the inertial origin.
+/// The product Sᵀ W with a joint screw S is the drive force, which is 0 in passive joints, minus the forces
+/// of armature and losses. Joints in a coupling also transmit the force of the coupling. If springs act in
+/// the given motion, W contains their forces as if the joints transmitted them. O(n + m) for m loop
 /// equations. Throws std::invalid_argument for wrong sizes.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
@@ -63,11 +63,12 @@ void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> 
                     const std::type_identity_t<Loads<T>>& loads = {}, WrenchPoint at = WrenchPoint::body);
 
 /// Computes the wrenches that the joints of the spanning tree of a mechanism with loops transmit from the
-/// predecessor to the body at accelerations a. The drive forces are those of inverse_dynamics() for these
-/// accelerations and drives. W has n_bodies entries. W[i - 1] belongs to joint i, in the representation Rep
-/// of the frame of body i with its origin moved to the point `at` of this body: the origin of the body frame
-/// or of the joint frame. Spatial wrenches are about the inertial origin. If loop equations are redundant,
-/// the multipliers of the loops, and with them the wrenches, are not unique; the multipliers with the least
+/// predecessor to the body at accelerations a. The drive forces are those that inverse_dynamics() computes
+/// for a and `drives`, the indices of the velocities on which drives act (if it is empty, those of all joints
+/// that are not passive). W has n_bodies entries. W[i - 1] belongs to joint i, in the representation Rep of
+/// the frame of body i with its origin moved to the point `at` of this body: the origin of the body frame or
+/// of the joint frame. Spatial wrenches are about the inertial origin. If loop equations are redundant, the
+/// multipliers of the loops, and with them the wrenches, are not unique; the multipliers with the least
 /// weighted sum of squares are taken (D7.11). Returns the norm of the required joint forces that neither
 /// drives nor loops can produce, divided by the norm of all required joint forces. Throws
 /// std::invalid_argument for wrong sizes and, in double precision, if a does not keep the loops closed.
@@ -79,12 +80,12 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
                                const std::type_identity_t<Loads<T>>& loads = {},
                                WrenchPoint at = WrenchPoint::body);
 
-/// Computes the velocities v⁺ (nv) after an impact by which loops close: A v⁺ = -e A v with the Jacobian A of
-/// the loop equations and the coefficient of restitution e from 0 to 1 (D7.12). Also computes the impulses of
-/// the loop equations (a number for each of the loops().rows equations; N m s and N s) unless `impulses` is
-/// empty. The kinetic energy decreases by (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the
-/// spanning tree. v⁺ may share the memory of v. Throws std::invalid_argument for wrong sizes and for an e
-/// that is not from 0 to 1.
+/// Computes the velocities v⁺ (nv) after an impact that imposes the loop equations on the velocities v before
+/// the impact: A v⁺ = -e A v with the Jacobian A of the loop equations and the coefficient of restitution e
+/// from 0 to 1 (D7.12). Also computes the impulses of the loop equations (a number for each of the
+/// loops().rows equations; N m s and N s) unless `impulses` is empty. The kinetic energy decreases by (1 -
+/// e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the spanning tree. v⁺ may share the memory of v.
+/// Throws std::invalid_argument for wrong sizes and for an e that is not from 0 to 1.
 template <class T>
 Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, T restitution,
                    std::type_identity_t<std::span<T>> v_after,

@@ -7,14 +7,14 @@
 /// impulse changes the joint velocities by
 ///   (M⁻¹ - M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁺ A M⁻¹) Jᵀ
 /// with the mass matrix M of the spanning tree, the Jacobian J of the place and the Jacobian A of the loop
-/// equations A v = 0 (D7.14). The loops transmit impulses; they should be closed at q.
+/// equations A v = 0 (D7.14). The loops should be closed at q.
 namespace axode {
 
 /// Computes the change of the velocities for a unit of impulse at a place (a frame or a point on a body) of a
 /// mechanism with loops. Y has nv entries; the six components of entry c are the changes of velocity c for
-/// units of the components of the impulse, in the representation Rep. O(n + m² d + m³), and O(n + m d) for
-/// each component, for n bodies and m loop equations on paths of d joints. Throws std::invalid_argument for
-/// wrong sizes and for a model with prescribed motions.
+/// units of the components of the impulse, in the representation Rep. O(n + m² d + m³), plus O(n + m d) for
+/// each of the six components, for n bodies and m loop equations on paths of d joints. Throws
+/// std::invalid_argument for wrong sizes and for a model with prescribed motions.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability impulse_response(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,

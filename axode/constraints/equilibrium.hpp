@@ -29,17 +29,18 @@ struct EquilibriumResult {
 };
 
 /// Finds a configuration near q0 in which the system stays at rest under the drive forces tau (nv; 0 if it is
-/// empty): the loops are closed, and the inverse dynamics at v = 0 and a = 0 equals tau plus the forces of
-/// springs, mechanical stops and loops (eq. `LE`).
+/// empty): the loops are closed, and the unbalanced forces are 0. These are the inverse dynamics at v = 0 and
+/// a = 0 (eq. `LE`) minus tau and the forces of springs, mechanical stops and loops.
 ///
 /// The method is Newton's on the configuration manifold, with the exact derivative of the unbalanced forces
-/// by q along the velocities that the loops allow; if it is singular, the least step is taken. A step is at
-/// most 1 rad or m along each velocity, and is halved until the norm of the unbalanced forces decreases.
-/// Equilibria may be stable or unstable. Limits of coordinates, damping and Coulomb friction are ignored.
+/// by q along the velocities that the loops allow; if this derivative is singular, the least step is taken. A
+/// step is at most 1 rad or m along each velocity, and is halved until the norm of the unbalanced forces
+/// decreases. Equilibria may be stable or unstable. Limits of coordinates, damping and Coulomb friction are
+/// ignored.
 ///
 /// O(n³) for each iteration; allocates. Throws std::invalid_argument for wrong sizes, quaternions that are
 /// not of unit norm, a load on a frame that does not exist, numbers that are not finite, options that are not
-/// positive, and drives with states.
+/// positive, and drives with states of their own, such as motors and cylinders.
 [[nodiscard]] EquilibriumResult equilibrium(const Model& model, std::span<const double> q0,
                                             std::span<const double> tau = {}, const Loads<>& loads = {},
                                             const EquilibriumOptions& options = {});

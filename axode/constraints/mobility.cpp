@@ -49,11 +49,12 @@ bool has_definite_combination(const std::vector<Eigen::MatrixXd>& forms) {
   return false;
 }
 
-/// Decides by a test of second order whether velocities that satisfy the loop equations, A x = 0, belong to
-/// finite motions; `kernel` spans these velocities. For every dependency nᵀ A = 0 of the equations (the
-/// columns of `dependencies`) they must satisfy n·γ(x) = 0, where γ is the part of (A x)' that is quadratic
-/// in x. If a combination of the forms n·γ is definite, only x = 0 satisfies it, and the mechanism is shaky:
-/// the loops allow velocities, but no finite motion. Otherwise several finite motions may pass through q.
+/// Decides by a test of second order whether the velocities x with A x = 0 (the loop equations) belong to
+/// finite motions; `kernel` spans these velocities. Along a finite motion n·γ(x) = 0 for every dependency nᵀ
+/// A = 0 of the equations (the columns of `dependencies`), where γ is the part of (A x)' that is quadratic in
+/// x. If all forms n·γ are 0, the result is Mobility::regular. If a definite combination of them is found,
+/// only x = 0 satisfies the condition: the loops allow velocities, but no finite motion (Mobility::shaky).
+/// Otherwise several finite motions may pass through q (Mobility::branches).
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();

@@ -44,9 +44,10 @@ inline double largest_of(std::span<const double> numbers) {
 /// not determine.
 ///
 /// B has six rows for each joint, in the axes of the joint, then one row for each rotor, and then those of
-/// the loops. Rows of free directions are 0, except in a coupled joint: its velocity is a constant ratio
-/// times that of another joint, its leader, and one row states this. A rotor whose velocity is not the rate
-/// of a coordinate has no residual.
+/// the loops. A row of an axis about or along which the joint moves freely is 0. In a coupled joint, whose
+/// velocity is a constant ratio times that of another joint, this row has the equation of the coupling
+/// instead. The constraint of a rotor has no residual Φ if the rotor's velocity is not the rate of a joint
+/// coordinate, as in spherical joints.
 ///
 /// One call of factorize() and one of solve() cost O(n + m d + m² d + m³) for n bodies and m loop equations
 /// on paths of d joints. They eliminate the velocities that the joints allow body by body, as the
@@ -88,11 +89,11 @@ class AbsoluteSystem {
     prescribed_.assign(rows.begin(), rows.end());
   }
 
-  /// position_residual() computes the residuals Φ(q) of the constraints at any q. Nonholonomic constraints,
-  /// such as no-slip conditions, have no residual. If the argument `level` is ConstraintLevel::position,
-  /// `out` has no entry for them; if it is ConstraintLevel::velocity, `out` has an entry for each row of the
-  /// constraint Jacobian B, and the entries of nonholonomic constraints are 0. velocity_residual() computes B
-  /// v - s' for all rows of B, with the prescribed velocities s'.
+  /// position_residual() computes the residuals Φ(q) of the constraints, minus the prescribed positions. For
+  /// nonholonomic constraints, such as no-slip conditions, which have no residual, `out` has no entries if
+  /// `level` is ConstraintLevel::position. If it is ConstraintLevel::velocity, `out` has one entry for each
+  /// row of the constraint Jacobian B, and those of nonholonomic constraints are 0. velocity_residual()
+  /// computes B v - s' for all rows of B, with the prescribed velocities s'.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
   /// Whether some constraints are nonholonomic, that is, have a row of the constraint Jacobian B but no
@@ -113,22 +114,22 @@ class AbsoluteSystem {
   /// dry friction act if loads.joint_losses is set.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
-  /// Evaluates the kinematics at q and factorises the linear system of solve(), with the mass matrix and the
-  /// constraint Jacobian. At the velocity level the Jacobian has rows for all constraints; at the position
-  /// level it has none for nonholonomic constraints, such as no-slip conditions. factorize_with_rank()
-  /// factorises the system at the velocity level and also determines which loop equations are redundant, for
-  /// this and later systems; the loops must be closed at q.
+  /// factorize() evaluates the kinematics at q and factorises the linear system of solve(): the mass matrix
+  /// and the rows of the constraint Jacobian B at a level. At the velocity level these are all rows, and at
+  /// the position level all except those of nonholonomic constraints, such as no-slip conditions. For a q at
+  /// which the loops are closed, factorize_with_rank() factorises the system at the velocity level and
+  /// determines which loop equations are redundant; solve() sets their multipliers to 0, also after later
+  /// factorisations.
   Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
   /// Factorises the linear system of solve() with rows for all constraints, nonholonomic ones included, and
   /// with resistances of the joints (nv of the model) that act like armatures: if joint velocity c changes by
   /// x_c, the joint exerts -resistance_c x_c.
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
-  /// Solves M x - Bᵀ λ = r and B x = rhs, with the mass matrix M and the constraint Jacobian B of the last
-  /// factorisation. λ is not unique if loop equations are redundant. The multipliers of equations that
-  /// factorize_with_rank() found redundant are 0. If the other loop equations are dependent, their
-  /// multipliers approximate the solution with the least Σ d_k² λ_k² (D7.8), where d_k is the size of
-  /// equation k, see LoopSystem::factorize_rows().
+  /// Solves M x - Bᵀ λ = r and B x = rhs for x and λ, with the mass matrix M and the constraint Jacobian B of
+  /// the last factorisation. The multipliers of loop equations that factorize_with_rank() found redundant are
+  /// 0. If the other loop equations are dependent, their multipliers λ_k approximate those with the least
+  /// Σ d_k² λ_k² (D7.8), where d_k is the size of equation k, see LoopSystem::factorize_rows().
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
   /// How far the loop equations were from linear dependence in the last solve(), from 0 (dependent) to 1.
   double weakest_row() const { return loops_.weakest_row(); }

@@ -63,11 +63,10 @@ template <class Rep> class RateSystem {
     known.resize(rows);
   }
 
-  /// Sets up the linear system whose solution is the k-th time derivative of the joint velocities. Its right
-  /// side is `wanted - known`: the wanted derivatives of twists (0 for loops), minus the terms that depend
-  /// only on the joint velocities and their lower derivatives. If k is 0, the matrix that all derivatives
-  /// share is set up too. `rates` has a row for the joint velocities and for each of their derivatives; rows
-  /// k and later must be 0.
+  /// Sets up the linear system whose solution is the k-th time derivative v^(k) of the joint velocities. Its
+  /// right side is `wanted - known`: the wanted k-th derivatives of the twists (0 for loops), minus their
+  /// terms with lower derivatives of v. If k is 0, also sets up the matrix, which is the same for all
+  /// derivatives. `rates` has the rows v, v', v'', ...; row v^(k) and the rows after it must be 0.
   void run(std::span<const double> rates, int k) {
     motion_.evaluate(q_, rates);
     Eigen::Index row = 0;

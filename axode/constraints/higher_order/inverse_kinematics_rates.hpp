@@ -24,15 +24,17 @@ struct RatesReached {
 /// Inverse kinematics of any order. Computes the velocities of the joints and their time derivatives v, v',
 /// v'', ... (`rates`, K rows of nv numbers, in the left-trivialised directions of the joints), such that
 /// places (frames or points on bodies) have given twists V and derivatives V', V'', ..., and loops stay
-/// closed. `targets` has K of these for each place. The k-th derivatives are solutions of a linear system
-/// with the Jacobians J of the places and A of the loop equations A v = 0, the same for all k (D3.13):
+/// closed. For each place, `targets` has V and the first K - 1 derivatives. The k-th derivatives are
+/// solutions of a linear system with the Jacobians J of the places and A of the loop equations A v = 0, the
+/// same for all k (D3.13):
 ///   J v^(k) = V^(k) - (terms of V^(k) with lower derivatives of v)
 ///   A v^(k) = -(terms of (A v)^(k) with lower derivatives of v)
-/// If the targets do not determine the motion of the joints, each derivative is the least one by its norm. If
-/// they require a motion that the joints cannot make, as in a singular configuration, the rows from that
-/// order on are NaN. The rounding error of derivative k grows like a power k of the condition number of J.
+/// If the targets do not determine the motion of the joints, the v^(k) with the least Euclidean norm is taken
+/// for each k. If they require a motion that the joints cannot make, as in a singular configuration, the rows
+/// from that order on are NaN. The rounding error of derivative k grows like a power k of the condition
+/// number of J.
 ///
-/// Throws std::invalid_argument for wrong sizes, numbers that are not finite, a q that leaves a loop open
+/// Throws std::invalid_argument for wrong sizes, numbers that are not finite, a q at which a loop is open
 /// and, with loops, more than 8 orders. Allocates; O(K nv³ + n K³).
 template <RecursionRepresentation Rep = BodyFixed>
 [[nodiscard]] RatesReached inverse_kinematics_rates(

@@ -32,11 +32,10 @@ class LoopSeries {
  private:
   using Series = Taylor<double, largest_order + 1>;
 
-  /// about() returns the power series in time of a joint screw about a fixed point O. X has the coefficients
-  /// of the series of this screw about another fixed point, the position at t = 0 of the origin of its root
-  /// body (the first body on the path from the ground). frame_series() returns the power series of the frame
-  /// of a loop joint, with the position relative to O. `shift` is the constant vector from O to the position
-  /// of the origin of the root body at t = 0.
+  /// about() returns the power series in time of a joint screw about a fixed point O, from the coefficients X
+  /// of its power series about the position at t = 0 of the origin of its root body (the first body on the
+  /// path from the ground). `shift` is the constant vector from O to this position. frame_series() returns
+  /// the power series of the frame of a loop joint, with the position relative to O.
   Screw<Series> about(const Vec3<>& shift, const Screw<>* X) const;
   SE3<Series> frame_series(const Loop::End& end, const Vec3<>& shift);
 
