@@ -11,12 +11,12 @@ template <class T> struct InverseDynamicsDerivatives {
 };
 
 /// Computes the first derivatives of the forces τ of inverse dynamics at a state (q, v, a); ∂τ/∂a is the mass
-/// matrix, armatures included. Direction k of q is q ⊕ ε e_k. The components of loads are constant in the
-/// representation in which they are given. If loads.joint_losses is set, damping is part of ∂τ/∂v. Coulomb
-/// friction adds nothing, and has no derivative at v = 0. Units are those of τ per unit of the direction. O(n
-/// d) for n velocities on paths of d velocities, and the time to write the zeros of the matrices; no
-/// allocation. Throws std::invalid_argument for a wrong size, quaternions that are not of unit norm, a load
-/// on a frame that does not exist and results that overlap. See (D1.17) of docs/derivations.
+/// matrix, armatures included. Column k of ∂τ/∂q is the derivative along q ⊕ ε e_k. The components of loads
+/// are constant in the representation in which they are given. If loads.joint_losses is set, damping is part
+/// of ∂τ/∂v; Coulomb friction adds nothing to it. O(n d) for n velocities on paths of d velocities, and the
+/// time to write the zeros of the matrices; no allocation. Throws std::invalid_argument for a wrong size,
+/// quaternions that are not of unit norm, a load on a frame that does not exist and results whose memory
+/// overlaps. See (D1.17) of docs/derivations.
 template <class T>
 void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   Numbers<T> a,

@@ -14,16 +14,15 @@ template <class T> struct Linearization { std::span<T> A, B; };
 /// (q, v) with forces τ. The deviating motion has the coordinates q ⊕ δ, the velocities v + δv and the forces
 /// τ + δτ. With the accelerations a of forward dynamics
 ///     A = [-ad_v  I; ∂a/∂q  ∂a/∂v],    B = [0; ∂a/∂τ],
-/// where ad_v is the bracket of each joint's subgroup with its velocities: two poses C and C exp(δ) that move
-/// with the velocities v and v + δv separate at the rate δ' = δv - [v, δ]. ad_v is 0 at rest, and for joints
+/// where ad_v δ = [v, δ] is the Lie bracket in the subgroup of each joint; ad_v is 0 at rest, and for joints
 /// with one velocity. The forces of springs, dampers and stops of the model are part of a. The damping and
 /// Coulomb friction of joints are part of a only if loads.joint_losses is set; Coulomb friction has the
-/// derivative 0. If a = 0 and v = 0, the state is an equilibrium, and A and B are constant; otherwise A and B
-/// hold at this instant only. The components of loads are constant in the representation in which they are
-/// given. The cost is that of the first derivatives of forward dynamics. No allocation. Throws
-/// std::invalid_argument for loops, prescribed motions, drives with states, a wrong size, quaternions that
-/// are not of unit norm, a load on a frame that does not exist and results that overlap. If the status is not
-/// ok(), all results are NaN.
+/// derivative 0. In an equilibrium (a = 0 and v = 0) A and B are constant; in any other state they hold at
+/// this instant only. The components of loads are constant in the representation in which they are given. The
+/// cost is that of the first derivatives of forward dynamics. No allocation. Throws std::invalid_argument for
+/// loops, prescribed motions, drives with states of their own (motors, cylinders), a wrong size, quaternions
+/// that are not of unit norm, a load on a frame that does not exist and results whose memory overlaps. If the
+/// status is not ok(), all results are NaN.
 template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,

@@ -11,10 +11,10 @@ namespace axode {
 template <class T> class ForceSeries;
 
 /// Computes the time derivatives τ, τ', τ'', ... of the drive forces along a motion, to any order (Müller,
-/// section 6.3); forward_dynamics_rates() is the inverse. A motion is given by q and by the velocities v and
-/// their time derivatives v', v'', ..., in the left-trivialised directions of the joints. Loads are constant
-/// in the representation in which they are given. evaluate() does not allocate; an object is for one thread.
-/// See (D3.9) to (D3.11) of docs/derivations.
+/// section 6.3). A motion is given by q and by the velocities v and their time derivatives v', v'', ..., in
+/// the left-trivialised directions of the joints. Loads are constant in the representation in which they are
+/// given. evaluate() does not allocate. Two threads must not use one object at the same time. See (D3.9) to
+/// (D3.11) of docs/derivations.
 template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
  public:
   /// Allocates the memory for time derivatives of τ up to an order. Throws std::invalid_argument if the order
@@ -51,7 +51,7 @@ void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, 
 /// Computes the time derivatives of the accelerations of forward dynamics: a, jerk, ... (`rates`, k rows of
 /// nv numbers) from q, v and the forces τ, τ', ... (`forces`, k rows of nv numbers). Derivative j of τ is an
 /// affine function of derivative j of a, with the mass matrix M as factor; hence one linear system with M is
-/// solved for each row. O(n k³) for all rows, and one solution for each; allocates. The results are NaN if
+/// solved for each row. O(n k³), plus the solution of the k linear systems; allocates. The results are NaN if
 /// the status is not ok(). See (D3.12) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_rates(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
