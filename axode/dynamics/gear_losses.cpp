@@ -16,9 +16,9 @@ namespace {
 constexpr double rounding = 1e-13;
 /// A small number, relative to the compliance (the acceleration of a joint for a unit force on it), that is
 /// added to the diagonal of the equations of sticking joints, because in loops these may be singular.
-/// Iterative refinement removes its effect on the accelerations. The number is also a tolerance: whether the
-/// friction forces are unique is tested by an elimination of the matrix in (D9.12), and a pivot of this
-/// elimination counts as 0 if it is at most this number times the compliance of its joint.
+/// Iterative refinement removes its effect on the accelerations. It is also the tolerance, relative to the
+/// compliance of the joint, within which a pivot counts as 0 in the test whether the friction forces are
+/// unique (D9.12).
 constexpr double regularisation = 1e-12;
 
 }  // namespace
@@ -35,12 +35,11 @@ double ResistingForces::bound(Eigen::Index i, int direction) const {
 }
 
 /// Checks the condition (D9.12) under which the friction forces of joints with gears are unique: Φ + diag(δ)
-/// must be positive definite. Φ = ∂a/∂τ is the response of the accelerations to joint forces. For gears that
-/// move, or that lose more than the whole transmitted force when they are driven back (κ_b > 1), δ is (1 -
-/// κ_b)/(κ_b I) with the part κ_b of the transmitted force that is lost then, and the inertia I of the rotor.
-/// For all other joints at rest δ is 0. Moving joints without a gear, and gears that would have this δ but
-/// have κ_b I = 0, are left out of Φ. Returns -1 if the condition holds. Otherwise returns the index i of the
-/// joint with the most negative δ_i/Φ_ii.
+/// must be positive definite, except that pivots of joints with δ = 0 may be 0. Φ = ∂a/∂τ is the response of
+/// the accelerations to joint forces. κ_b is the part of the transmitted force that a gear loses when it is
+/// driven back (0 without a gear), and I the inertia of its rotor. For joints that move or have κ_b > 1, δ is
+/// (1 - κ_b)/(κ_b I), and the joint is left out of Φ if κ_b I = 0. For all other joints δ is 0. Returns -1 if
+/// the condition holds, and otherwise the index i of the joint with the most negative δ_i/Φ_ii.
 int ResistingForces::not_unique(const Matrix& Phi) const {
   std::vector<Eigen::Index> rows;  // joints that stick in the worst case come first
   std::vector<double> diagonal;
@@ -81,13 +80,12 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Sets the friction forces and the data of the problem at which the continuation method for friction forces
-/// starts. The friction laws are linear in pieces. The method moves the data of the equations along a
-/// straight line from a start problem with a known solution to the given problem, and follows the solution
-/// from piece to piece. In the start problem, joints at rest stick without a friction force. In moving joints
-/// the drive drives the gear, and the friction force is the loss of the gear. The forces that the gears
-/// transmit are chosen different from joint to joint: with equal forces, the solution in a symmetric
-/// mechanism would leave the pieces of several joints at once.
+/// Sets the friction forces and the data at which the continuation method starts. The method moves the data
+/// of the equations from a start problem with a known solution to the given problem. In the start problem,
+/// joints at rest stick without a friction force. In moving joints the drive drives the gear, and the
+/// friction force is the loss of the gear. The forces that the gears transmit differ from joint to joint:
+/// with equal forces, the solution in a symmetric mechanism would leave the linear pieces of several joints
+/// at once.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);
@@ -155,11 +153,11 @@ std::vector<ResistingForces::Boundary> ResistingForces::boundaries(Eigen::Index 
   return all;
 }
 
-/// Finds the friction forces by continuation: moves the data along a straight line from a problem with a
-/// known solution to the frictionless accelerations `a_0` and the drive forces `tau`. It follows the solution
-/// from each piece in which the equations are linear to the next. x_ receives the friction forces at the end.
-/// `little` is the number that regularises the equations of sticking joints. Returns false if the end is not
-/// reached after a limited number of pieces.
+/// Finds the friction forces by continuation: moves the data of the equations along a straight line from a
+/// start problem with a known solution to the given a_0 (accelerations without friction) and `tau` (drive
+/// forces), and follows the solution from one piece in which the equations are linear to the next. Writes the
+/// friction forces to x_. `little` regularises the equations of sticking joints. Returns false if the given
+/// problem is not reached after a limited number of pieces.
 bool ResistingForces::follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little) {
   const Eigen::Index k = Phi.rows();
   tau_ = tau;

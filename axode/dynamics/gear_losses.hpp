@@ -37,10 +37,10 @@ class ResistingForces {
 
   /// Computes the friction forces x() and the accelerations a() of the k joints in `joints`. `a_0` are the
   /// accelerations without friction forces, and column j of `Phi` (k × k, symmetric) has the accelerations by
-  /// a unit force on joint j. Returns -1 or, if the solution is not unique or not found, the index of a
-  /// joint, in general one whose gear is so strongly self-locking that the condition of uniqueness (D9.12)
-  /// fails. The equations are linear in pieces; the method solves a linear system, O(k³), in each piece that
-  /// it passes.
+  /// a unit force on joint j. Returns -1 or, if the solution is not unique or not found, the index in
+  /// `joints` of a joint, in general one whose gear is so strongly self-locking that the condition of
+  /// uniqueness (D9.12) fails. The equations are linear in pieces; the cost is O(k³) for each piece that the
+  /// method passes.
   int find(const Matrix& Phi, const Vector& a_0, std::span<const ResistingJoint> joints);
 
   const Vector& x() const { return x_; }

@@ -25,9 +25,9 @@ Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& 
 
 /// Computes the operational-space inertia (J M⁻¹ Jᵀ)⁻¹ (36 entries) for the Jacobian J of a place (a frame or
 /// a point on a body) and the mass matrix M: the apparent inertia of the place against a wrench. If the place
-/// cannot move in all six directions (condition above 1e12 in double, 1e5 in float, after scaling J M⁻¹ Jᵀ to
-/// a unit diagonal), the result is NaN, and the returned Solvability has the number of directions in which it
-/// can move.
+/// cannot move in all six directions, the result is NaN, and the returned Solvability has the number of
+/// directions in which it can move. A place counts as unable to move in all six directions if the condition
+/// number of J M⁻¹ Jᵀ, scaled to a unit diagonal, is above 1e12 in double or 1e5 in float.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                       const std::type_identity_t<Place<T>>& place,

@@ -5,21 +5,22 @@
 /// in simulations, linearisations and equilibria. Inverse and forward dynamics and their derivatives leave
 /// them out: add their forces to τ by add_spring_forces().
 ///
-/// On a joint with one velocity, a spring of stiffness k has the force -k (p - rest) at the position p of the
-/// joint. p is its coordinate q or, for a joint that is coupled to a leader with the coordinate q, ratio · q
-/// + offset. At a depth δ beyond a limit of the joint, its stop has the force -k_s δ max(0, 1 + d δ') (Hunt
-/// and Crossley), where k_s and d are the stiffness and the damping of the stop. For the spring of a joint
-/// with several velocities, let x be the logarithm of the joint's displacement from its reference pose
-/// (coordinates 0, quaternion the identity), and K the diagonal matrix of stiffnesses; the energy is xᵀ K x /
-/// 2 and the force is -dexp_{-x}⁻ᵀ K x. The force jumps at half a turn, where the shorter rotation changes
-/// its direction; for planar and free joints the energy jumps there as well.
+/// On a joint with one velocity, a spring of stiffness k has the force -k (p - rest), where `rest` is the
+/// position without force and p the position of the joint. p is its coordinate q or, for a joint that is
+/// coupled to a leader with the coordinate q, ratio · q + offset. At a depth δ beyond a limit of the joint,
+/// its stop has the force -k_s δ max(0, 1 + d δ') (Hunt and Crossley), where k_s and d are the stiffness and
+/// the damping of the stop. For the spring of a joint with several velocities, let x be the logarithm of the
+/// joint's displacement from its reference pose (coordinates 0, quaternion the identity), and K the diagonal
+/// matrix of stiffnesses; the energy is xᵀ K x / 2 and the force is -dexp_{-x}⁻ᵀ K x. The force jumps at half
+/// a turn, where the shorter rotation changes its direction; for planar and free joints the energy jumps
+/// there as well.
 ///
 /// A spring element acts between two points, along a path of points, on the angle between two frames or on a
-/// sum of joint coordinates. It has one coordinate x, the tension F of its ForceLaw, and the generalised
-/// force -F ∂x/∂q (D16.1). If two points of a path coincide, the segment between them has no force. A bushing
-/// between two frames has the energy Xᵀ K X / 2 for X = log(D_0⁻¹ D), where K is its 6×6 stiffness, D the
-/// relative pose of the frames and D_0 the relative pose at rest (D16.10). The forces on angles and the
-/// forces of bushings jump at half a turn.
+/// sum of joint coordinates. It has one coordinate x (length, angle or sum), a tension F given by its
+/// ForceLaw, and the generalised force -F ∂x/∂q (D16.1). If two points of a path coincide, the segment
+/// between them has no force. A bushing between two frames has the energy Xᵀ K X / 2 for X = log(D_0⁻¹ D),
+/// where K is its 6×6 stiffness, D the relative pose of the frames and D_0 the relative pose at rest
+/// (D16.10). The forces on angles and the forces of bushings jump at half a turn.
 namespace axode {
 
 /// The generalised forces τ (nv; N m or N) of all springs, dampers and end stops. Springs, dampers and stops
