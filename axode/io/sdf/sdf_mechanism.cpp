@@ -87,7 +87,7 @@ bool SdfMechanism::connect(Connection& c) {
 /// joint connects to the world. The tree grows from the world and the roots by one joint and one link at a
 /// time. Of the joints from a parent link in the tree to a child link outside it, the first one in the file
 /// is taken. Only if there is none, a joint with its child in the tree and its parent outside is taken, and
-/// is reversed. All joints that are not in the tree close loops.
+/// is reversed. All other joints close loops, except gearboxes, which couple two joints.
 std::vector<std::size_t> SdfMechanism::grow_tree() {
   std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // the last entry is the world
   const auto at = [&](int k) { return k < 0 ? links_.size() : static_cast<std::size_t>(k); };
