@@ -44,11 +44,11 @@ void add_panels(Chart& chart, const std::string& symbol, const std::vector<Compo
                 const std::vector<std::string_view>& units, const std::vector<double>& x,
                 const Eigen::MatrixXd& columns);
 
-/// Makes panels with the curves of a quantity, one panel for each unit. `units` is a list such as "N m, N" or
-/// "kg m^2, kg m, kg". The name of a curve determines its unit. A name that ends with a component of a twist,
-/// wrench or momentum has the first unit for the angular part and the second one for the linear part. A name
-/// that begins with names of velocities, such as "slide tau" for the force of a prismatic joint, has the unit
-/// whose index is the number of translational velocities among these.
+/// Makes panels with the curves of a quantity, one panel for each unit in the list `units`, such as "N m, N"
+/// or "kg m^2, kg m, kg". If the name of a curve ends with a component of a twist, wrench or momentum, the
+/// curve has the first unit for an angular component, and the second one for a linear component. If the name
+/// begins with names of velocities of which k are translational, the curve has unit k of the list, counted
+/// from 0: "slide tau", the force of a prismatic joint, has unit 1.
 std::vector<Panel> panels_by_unit(const Model& model, const std::string& quantity, const std::string& units,
                                   const std::vector<Curve>& curves);
 

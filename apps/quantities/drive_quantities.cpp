@@ -17,11 +17,11 @@ namespace {
 
 constexpr double rigid = std::numeric_limits<double>::infinity();
 
-/// Copies the stiffness and the motor inertia (referred to the joint) of each series_elastic drive in the
-/// model's description to the elastic drive of its joint. `drives` has one entry for each of the nv
-/// velocities. Throws InputError if a series_elastic drive acts on several joints or with a factor other than
-/// 1, or has damping or viscous friction, because ElasticFeedForward, which computes the motor forces, does
-/// not support such drives.
+/// Copies the stiffness and the motor inertia of each series_elastic drive of the model (a motor with a
+/// spring between its gear and the joint) to the entry of `drives` for the velocity of its joint. The motor
+/// inertia is multiplied by the square of the gear ratio. Throws InputError if such a drive acts on several
+/// joints, acts with a factor other than 1, or has damping or viscous friction, because ElasticFeedForward,
+/// which computes the motor forces, does not support this.
 void add_drives_of_drawing(const Model& model, std::vector<ElasticDrive>& drives) {
   for (const DriveDescription& drive : model.description().drives) {
     if (drive.kind != DriveKind::series_elastic) continue;

@@ -242,12 +242,12 @@ struct Result {
     }
   }
 
-  /// Adds rows with the numbers of the arrays `results` to a table. All arrays have the same shape, and their
-  /// numbers are side by side in one row. Each array is a whole result of a function, or the part of a result
-  /// at one index on each of its first `axis` axes. The first row begins with the cells `before`. Each row
-  /// continues with one cell for each remaining axis, which has the name of the row's index on this axis, and
-  /// then has the numbers. The last axis of a matrix has no such cell, because its indices are the columns of
-  /// the table. A matrix over inertial parameters is written transposed.
+  /// Adds rows with the numbers of the arrays `results` to a table. The arrays have the same shape, and one
+  /// row has the numbers of all of them side by side. A row begins with the names of its indices, one for
+  /// each axis of the arrays; the last axis of a matrix is an exception, because its indices are the columns
+  /// of the table. The function calls itself for each axis: `results` are then the parts of arrays at one
+  /// index on each of the first `axis` axes. `before` are the first cells of the first row. A matrix whose
+  /// columns are inertial parameters is written transposed.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {
