@@ -7,13 +7,13 @@ namespace axode::command {
 /// inertial origin, as in A. Müller's paper (see docs/notation.md).
 enum class SpatialOrigin { of_roots, inertial };
 
-/// Inverse dynamics that transforms every joint screw S from the axes of its body to the representation Rep
-/// of twists once, to J, as sections 4.2 and 4.3 of A. Müller's paper do (see docs/notation.md; the library's
-/// InverseDynamicsRecursion transforms S v, S a and the wrench instead):
-///   V_i = down V_p + J v,  V'_i = down V'_p + J a + bias(V_p, V_i, J v),  τ = J | W,
-/// with the twists V_i and V_p of body i and its predecessor and the wrench W that the joint transmits.
-/// `down` takes a twist of the predecessor to the frame in which Rep gives that of the body, and `bias` is
-/// the part of V'_i that is due to velocities. The tree must have no coupled joints, and no loads act.
+/// Inverse dynamics as in sections 4.2 and 4.3 of A. Müller's paper (see docs/notation.md): each joint screw
+/// is transformed once, from the axes of its body to J in the representation Rep of twists. With the twists
+/// V_i and V_p of body i and its predecessor, the wrench W that the joint transmits, and its armature d,
+///   V_i = down V_p + J v,  V'_i = down V'_p + J a + bias(V_p, V_i, J v),  τ = J | W + d a.
+/// `down` converts a twist or its rate from the frame in which Rep expresses twists of the predecessor to
+/// that of body i, and `bias` is the part of V'_i that is due to velocities. Gravity is counted by V' = (0;
+/// -g) of the ground. The tree must have no coupled joints, and no loads act.
 template <class Rep, class T> struct ScrewsOnce {
   BodyLinks<Rep, T> links;
   Twist<Rep, T>* J;
