@@ -28,14 +28,16 @@ Recording normalised(const Model& model, const Recording& f) {
   return on.with(f.result, on(f, x));
 }
 
-/// Records the forward dynamics a = M⁻¹ (tau - T(q, v, 0)) and its derivatives, where T(q, v, a) is the
-/// inverse dynamics. Indices denote derivatives, taken at the accelerations a; x stands for q, v or tau. For
-/// a direction (dq, dv, dtau), and for the Hessian H of the weighted sum w·a,
+/// Records the forward dynamics a = M⁻¹ (tau - T(q, v, 0)) and its derivatives, with the mass matrix M and
+/// the inverse dynamics T(q, v, a). Indices denote partial derivatives at these accelerations a. The
+/// derivative da along a direction (dq, dv, dtau), and the Hessian H of the weighted sum w·a by x = (q, v,
+/// tau), are
 ///
-///     M da = dtau - T_q dq - T_v dv,    mu = M⁻¹ w,    H = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ).
+///     M da = dtau - T_q dq - T_v dv,    H = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ)   with mu = M⁻¹ w,
 ///
-/// mu T_xa is 0 unless x = q. With K = M⁻¹ (mu T_aq), the term mu T_qa a_x is - Kᵀ T_x for x = q and x = v,
-/// and Kᵀ for x = tau.
+/// where mu T is the sum of the components of T with the weights mu. The rows of mu T_xa for v and tau are 0.
+/// The rows for q, multiplied by a_x, are - Kᵀ T_q, - Kᵀ T_v and Kᵀ in the columns of q, v and tau, with K =
+/// M⁻¹ (mu T_aq).
 class Accelerations {
  public:
   explicit Accelerations(const Model& model)
@@ -104,11 +106,11 @@ class Accelerations {
   static void subtract(Traces& x, const Traces& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// Makes the same recording (a list of operations) in several ways, and returns the one with the fewest
-  /// operations. The ways differ in the method that solves M x = b with the mass matrix M. For each method,
-  /// make(composition, state, solution) must return the recording: `composition` receives the operations,
-  /// `state` has the recorded q, v and accelerations a, and `solution` is the recording of x = M⁻¹ b by this
-  /// method, a function of q and b.
+  /// Makes a recording (a list of operations) once with each method that solves M x = b, where M is the mass
+  /// matrix, and returns the recording with the fewest operations. For each method, make(composition, state,
+  /// solution) must return the recording: `composition` receives the operations, `state` has the recorded
+  /// coordinates q, velocities v and accelerations a, and `solution` is the recording of x = M⁻¹ b, a
+  /// function of q and b.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {
@@ -197,10 +199,10 @@ CasadiOutput output(std::string name, int rows, int columns, std::size_t recordi
   return out;
 }
 
-/// Returns the output matrices of a function that is generated for CasADi. Each has its shape, its entries
-/// that are not always 0, and for each such entry the index of its number among the results of `value`, the
-/// recording (list of operations) of the function. This function removes the results of `value` that are
-/// always 0, and adds the constant 1 as the last result, which is the last entry of the 4 × 4 matrices of
+/// Returns the output matrices of a function that is generated for CasADi: the shape of each, its entries
+/// that are not always 0, and for each such entry its index among the results of `value`, the recording (list
+/// of operations) of the function. Before that, the function removes the results that are always 0 from
+/// `value`, and adds the constant 1 as the last result, which is the last entry of the 4 × 4 matrices of
 /// poses.
 std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
                                    std::span<const std::string> frames, Recording& value) {

@@ -34,11 +34,11 @@ struct CasadiFunction {
   std::vector<CasadiOutput> outputs;
   bool is_jacobian = false;  ///< whether matrices of several states are blocks on a diagonal
 };
-/// A function of the state and its derivatives by all arguments, under the names that CasADi looks for: NAME,
-/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME. Each of them has a recording (a list of operations) of
-/// its own, from which its C code is generated. The inverse mass matrix is an exception: it has no
-/// jac_adj1_NAME, and the C code of its derivatives multiplies matrices in `for` loops (see the member
-/// `inverse`). The recordings of these derivatives only describe arguments and results.
+/// A function NAME of the state and its derivatives by all arguments for CasADi: fwd1_NAME along a direction,
+/// adj1_NAME, the gradient of the weighted sum of the results, the Jacobian jac_NAME, and the Jacobian
+/// jac_adj1_NAME of adj1_NAME. The C code of each of them is generated from its recording (a list of
+/// operations). The inverse mass matrix is an exception: it has no jac_adj1_NAME, the member `inverse`
+/// generates the code of its derivatives, and their recordings only describe arguments and results.
 struct CasadiFamily {
   std::vector<Recording> recordings;
   std::vector<CasadiFunction> functions;
@@ -46,10 +46,10 @@ struct CasadiFamily {
 };
 
 /// Makes a function of the model and its derivatives for CasADi. In CasADi the nq coordinates are independent
-/// numbers; hence quaternions are divided by their norm. Derivatives of forward dynamics are computed from
-/// derivatives of the inverse dynamics T(q, v, a) = tau, derivatives of the inverse mass matrix from
-/// derivatives of M, and all other derivatives by differentiation of recorded operations. `frames` are the
-/// names of all frames as identifiers.
+/// numbers; hence quaternions are divided by their norm. Derivatives of the forward dynamics are computed
+/// from those of the inverse dynamics, derivatives of the inverse mass matrix from those of the mass matrix,
+/// and all other derivatives by differentiation of the recorded operations. `frames` are the names of all
+/// frames, as C identifiers.
 CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
                            std::span<const std::string> frames);
 

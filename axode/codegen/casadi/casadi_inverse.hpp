@@ -8,8 +8,8 @@
 
 namespace axode::codegen {
 
-/// The first derivatives of A(q) = M⁻¹ for CasADi. The generated C code multiplies matrices in `for` loops,
-/// and computes them from the derivatives of M:
+/// Generates C code for the first derivatives of the inverse mass matrix A(q) = M⁻¹ for CasADi. The code
+/// computes them from derivatives of the mass matrix M, and multiplies matrices in `for` loops:
 ///
 ///     dA = - A dM A,    d(W·A) = - B·dM with B = A W A,
 ///
@@ -28,12 +28,11 @@ class CasadiInverse {
     std::vector<int> places;
   };
 
-  /// `entries` are the indices r + nv c of those entries (r, c) of A = M⁻¹, the inverse of the mass matrix M,
-  /// that the generated function for A computes. `masses` are recordings of three derivatives of M by q, from
-  /// which the derivatives of A are computed: the derivative along a direction of q, the gradient of a
-  /// weighted sum of the entries of M, and the derivatives by each coordinate, in this order. The gradient of
-  /// the weighted sum of the entries of A has an argument with their weights; `weights` is the name of this
-  /// argument.
+  /// `entries` are the indices r + nv c of the entries (r, c) of A = M⁻¹ that the generated function for A
+  /// computes. `masses` are recordings (lists of operations) of three derivatives of the mass matrix M by q,
+  /// in this order: along a direction, the gradient of a weighted sum of the entries of M, and by each
+  /// coordinate. `weights` is the name of the argument with the weights of the entries of A, for the function
+  /// that computes the gradient of their weighted sum.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 

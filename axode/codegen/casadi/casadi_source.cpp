@@ -93,12 +93,11 @@ template <class Items, class Word> std::string words(const Items& items, const W
   return text;
 }
 
-/// A sparsity pattern in CasADi's format: the numbers of rows and columns, then the index of the first entry
-/// of each column, then the row of each entry. A dense matrix has the numbers of rows and columns and a 1. A
-/// generated function can be evaluated for several states in one call. The result is then one matrix, in
-/// which the matrices of the states stand side by side or, if `diagonal` is true, are the blocks of a block
-/// diagonal matrix. The latter holds for derivatives by the arguments, as the result for one state does not
-/// depend on the arguments of the others.
+/// Returns a sparsity pattern in CasADi's format: the numbers of rows and columns, the index of the first
+/// entry of each column, the number of entries, and the row of each entry; for a dense matrix, only the
+/// numbers of rows and columns and a 1. The pattern is that of the matrices of several states, which stand
+/// side by side or, if `diagonal` is true, are the blocks of a block diagonal matrix. Derivatives by the
+/// arguments are block diagonal, as the result for one state does not depend on the arguments of the others.
 std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   const int down = diagonal ? pattern.rows : 0;
   std::vector<int> numbers{pattern.rows + (states - 1) * down, states * pattern.columns};
