@@ -148,12 +148,12 @@ fs::path temporary_folder() {
       std::string(named == nullptr ? "" : named) +
       "\", which is not a folder; set TMPDIR or XDG_CACHE_HOME to a folder that can be written to");
 }
-/// Moves the work folders that other, ended processes have left in the cache into `work`, the work folder of
-/// this process, which is removed with all that is in it. They are not removed in place, because this could
-/// fail while a compiler that outlives its process still creates files there. The name of a work folder
-/// begins with the key of a source, and the process that compiles this source holds its lock. The folder is
-/// therefore abandoned if this process holds the lock or can take it. `key` is the key of the source that
-/// this process compiles, and `lock` the lock of this source, held or not.
+/// Moves the abandoned work folders in the cache, which ended processes have left, into `work`, the work
+/// folder of this process, which is removed with all that is in it. They are not removed in place, because
+/// this could fail while a compiler that outlives its process still creates files there. The name of a work
+/// folder begins with the key of the source that is compiled in it, and the compiling process holds the lock
+/// of this key. Hence a folder is abandoned if this process holds or can take the lock of its key. `key` and
+/// `lock` belong to the source that this process compiles; it may not hold the lock.
 void collect_abandoned(const fs::path& cache, const fs::path& work, const std::string& key,
                        const Lock& lock) {
   std::error_code failed;

@@ -12,11 +12,11 @@ namespace axode::codegen {
 /// Compiled C, which stays loaded in this process as long as a MachineCode refers to it.
 class MachineCode {
  public:
-  /// Compiles a C source with the given flags, or loads the library from the cache if it has been compiled
-  /// before. The key of the cache is made of the source, the compiler's name and version, the flags and the
-  /// processor. The monitor, a function of the caller that can end the call, is called while the compiler
-  /// runs or while another process compiles the same source. Throws std::runtime_error if there is no
-  /// compiler or it fails, and CompilationEnded if the monitor returns false.
+  /// Compiles a C source with the given flags to a shared library, or loads the library from a cache if it
+  /// has been compiled before from the same source, with the same compiler and flags, for the same processor.
+  /// The monitor, a callback, is called while the compiler runs or while another process compiles the same
+  /// source. Throws std::runtime_error if there is no compiler or it fails, and CompilationEnded if the
+  /// monitor returns false.
   MachineCode(const std::string& source, const std::vector<std::string>& flags,
               const batch::Monitor& monitor);
 

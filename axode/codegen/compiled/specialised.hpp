@@ -25,21 +25,21 @@ class CompilationEnded : public std::runtime_error {
 };
 
 /// Functions of one model as machine code. The constructor generates C for the model and compiles it with
-/// $CC, cc, clang or gcc, or takes the code from a cache. T is double or float. Several threads may share one
-/// object.
+/// $CC, cc, clang or gcc, or loads the code from a cache. T, the type of numbers, is double or float. Several
+/// threads may share one object. With a Model `arm`, and several states in q, v and a:
 ///
 ///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
 ///     batch::Outcome outcome =
 ///         batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, threads);
 ///
-/// The library needs a compiler at run time for this class only.
+/// Only this class of the library needs a compiler at run time.
 template <class T = double> class Specialised {
  public:
   /// Compiles functions of the model. Throws std::invalid_argument if `functions` is empty, names a function
-  /// twice, or has a function for which no code can be generated, that cannot take loops or another property
-  /// of the model into account, or whose frame does not exist; the function `pose` cannot be compiled. Also
-  /// throws it if `lanes`, the number of states that are computed at once, is not 1, 2, 4, 8 or 16, and
-  /// std::runtime_error if there is no compiler or it fails.
+  /// twice, or has a function for which no code can be generated (such as `pose`), that does not take a
+  /// property of the model, such as loops, into account, or whose frame does not exist. Also throws it if
+  /// options.lanes is not 1, 2, 4, 8 or 16. Throws std::runtime_error if there is no compiler or it fails,
+  /// and CompilationEnded if options.monitor returns false.
   Specialised(const Model& model, std::span<const codegen::Function> functions,
               SpecialisedOptions options = {});
   Specialised(const Model& model, std::initializer_list<codegen::Function> functions,
@@ -69,9 +69,9 @@ namespace batch {
 /// Computes one of the compiled functions in N states. Arguments, results, threads and the monitor are those
 /// of batch::run() in axode/batch.hpp. If the mass matrix of a state may be singular, the library's own
 /// function computes this state again and decides whether the matrix is singular. Results differ from the
-/// library's by rounding. They depend neither on the index of a state nor on the number of threads, but a
-/// call for a single state does not use SIMD lanes and may differ by rounding. Throws std::invalid_argument
-/// for wrong arguments, for a function that was not compiled, and for loads.
+/// library's by rounding. They depend neither on the index of a state nor on the number of threads; only the
+/// result of a call for a single state may differ by rounding. Throws std::invalid_argument for wrong
+/// arguments, for a function that was not compiled, and for loads and joint losses.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
