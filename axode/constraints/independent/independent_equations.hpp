@@ -8,11 +8,11 @@
 
 namespace axode {
 
-/// The equations of motion of a mechanism with loops in independent velocities y, which are k of its joint
-/// velocities v:
+/// The equations of motion of a mechanism with loops in k independent velocities y, which are entries of its
+/// joint velocities v:
 ///   M y' + h = Nᵀ τ,   v = N y,   a = N y' + c
-/// with the mass matrix M (k × k), the bias forces h, the joint forces τ, the joint accelerations a, and
-/// their part c that does not depend on y'.
+/// with the mass matrix M (k × k), the bias forces h, the joint forces τ, and the joint accelerations a. N
+/// (nv × k) and c depend on the state; N y are the velocities that keep the loops closed.
 struct IndependentEquations {
   std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities

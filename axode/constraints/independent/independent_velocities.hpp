@@ -13,11 +13,11 @@ struct IndependentVelocities {
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities
 };
 
-/// Computes the matrix N of v = N y, where v are the joint velocities of a mechanism with loops and y are
-/// independent ones among them. `wanted` are the indices of y, as many as there are degrees of freedom; if it
-/// is empty, the velocities that determine all others best are chosen. `rows` says which loop equations are
-/// independent. Throws std::invalid_argument for an index that is not from 0 to nv - 1, for a wrong number of
-/// indices, and for velocities that do not determine the others.
+/// Computes the matrix N of v = N y, where v are the velocities of the joints of a mechanism that keep its
+/// loops closed, and y are independent entries of v. `wanted` are the indices of these entries, as many as
+/// there are degrees of freedom; if it is empty, the entries that determine all others best are chosen.
+/// `rows` says which loop equations are independent. Throws std::invalid_argument for an index that is not
+/// from 0 to nv - 1, for a wrong number of indices, and if the entries do not determine all others.
 IndependentVelocities independent_velocities(const Model& model, const IndependentRows<double>& rows,
                                              std::span<const int> wanted);
 
