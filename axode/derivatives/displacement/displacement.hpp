@@ -2,15 +2,15 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/mat3.hpp"
 
-/// Derivatives of body wrenches when a subtree is displaced along a screw J, which may be a joint screw or
-/// any other one. All quantities are in inertial axes and about a point O, the present origin of the root
-/// body of the branch, which is the body of the branch that is joined to the ground.
+/// Derivatives of the wrenches on bodies when their subtree is displaced along a screw J, which may be a
+/// joint screw or any other one. All quantities are in inertial axes about a point O, the present origin of
+/// the body of the branch that is joined to the ground.
 ///
-/// In a frame that is displaced with the subtree, only the motion of the base of the subtree changes: by the
-/// velocity ψ' and the acceleration ψ''. These are the first two time derivatives of J as a screw that is
-/// fixed to the predecessor of the first body of the subtree. They change the wrench of each body of the
-/// subtree, with the inertia M and the twist V, by M ψ'' + B ψ'. The matrix B is the Coriolis inertia of the
-/// body: for a twist X, B X = M' X - ad_Xᵀ M V with the time derivative M' of M.
+/// In a frame that is displaced with the subtree, a unit of displacement changes the twist V of each body of
+/// the subtree by ψ' and the rate of V by ψ'' - [V, ψ']. ψ' and ψ'' are the first two time derivatives of J
+/// as a screw that is fixed to the predecessor of the first body of the subtree. Hence the wrench on the body
+/// changes by M ψ'' + B ψ', with its inertia M and Coriolis inertia B. For a twist X, B X = M' X - ad_Xᵀ M V
+/// with the time derivative M' of M.
 namespace axode {
 
 /// A six-vector of se(3) in inertial axes about a point O, which may be a twist, the rate of a twist, a screw
@@ -27,11 +27,11 @@ template <class T> struct CarriedScrew {
       : first(ad(V_p, J)), second(ad(dV_p, J) + ad(V_p, first)) {}
 };
 
-/// The Coriolis inertia B = 2 [[D, 0], [-p~, 0]] of rigid bodies, each with its own twist. For a twist X =
-/// (w; v), B X is the wrench that gives the mass elements dm, with the position r and the velocity r', the
-/// Coriolis acceleration 2 w × r': B X = 2 ∫ (r × (w × r'); w × r') dm. Hence D = tr(E) 1 - E with E = ∫ r'
-/// rᵀ dm, and p = ∫ r' dm. These 12 numbers can be summed over bodies. See (D1.9) to (D1.12) of
-/// docs/derivations.
+/// The Coriolis inertia B = 2 [[D, 0], [-p~, 0]] of rigid bodies, each with its own twist, in inertial axes
+/// about a point O. For a twist X = (w; v), B X = 2 ∫ (r × (w × r'); w × r') dm is the wrench that gives the
+/// mass elements dm, with the position r from O and the velocity r', the Coriolis acceleration 2 w × r'.
+/// Hence D = tr(E) 1 - E with E = ∫ r' rᵀ dm, and p = ∫ r' dm. The 12 numbers of D and p can be summed over
+/// bodies. See (D1.9) to (D1.12) of docs/derivations.
 template <class T> struct CoriolisInertia {
   Mat3<T> D;
   Vec3<T> p;

@@ -148,19 +148,20 @@ template <class T> struct FirstOrder {
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  /// Writes to `line`, for joint screw l and each joint screw k from `begin` to `end` - 1, the five
-  /// numbers
+  /// Writes to `line`, for joint screw l and each joint screw k from `begin` to `end` - 1, the five numbers
   ///   S_l|P_k,   S_l|R_k,   S_l|U_k,   U_k|ψ''_l + t_k·ω(ψ'_l),   U_k|σ_l + t_k·ω(S_l)
-  /// of which ∂τ/∂q, ∂τ/∂v and ∂τ/∂a consist (D1.17). A bar means the power of a wrench on a screw, and
-  /// ω(X) is the angular part of a screw X. For a joint screw S these quantities are
+  /// of which ∂τ/∂q, ∂τ/∂v and ∂τ/∂a consist (D1.17). If joint k is in the subtree of joint l, the first
+  /// three belong to row l and column k of these matrices, and the last two to row k and column l of ∂τ/∂q
+  /// and ∂τ/∂v. A bar means the power of a wrench on a screw, and ω(X) is the angular part of a screw X. For
+  /// a joint screw S these quantities are
   ///   ψ' = [V_p, S],   ψ'' = [V'_p, S] + [V_p, ψ'],   σ = ψ' + [V, S],
   ///   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F + N S,   R = M σ + B S,   and t, the moment of Bᵀ S.
   /// V_p and V'_p are the twist of the predecessor and its rate, and V is the twist of the body that the
-  /// joint moves. M, B, F and N belong to the subtree: M is the inertia, and F is the wrench that the joint
-  /// transmits. B is the sum of the Coriolis inertias of the bodies: for one body with the inertia M_b and
-  /// the twist V_b, B X = M_b' X - ad_Xᵀ M_b V_b for any twist X. N is the load stiffness: if the subtree is
-  /// displaced along X, the wrench that balances its loads changes by N X, as seen in a frame that is
-  /// displaced with it. If there are loads, the fourth number also contains (Nᵀ S)_k|S_l.
+  /// joint moves. M, F, B and N belong to the subtree: the inertia M, the wrench F that the joint transmits,
+  /// the Coriolis inertia B and the load stiffness N. For a twist X = (w; v), B X is the wrench that gives
+  /// mass elements with velocities r' the Coriolis acceleration 2 w × r'. If the subtree is displaced along
+  /// X, the wrench that balances its loads changes by N X, as seen in a frame that is displaced with it. If
+  /// there are loads, the fourth number also contains (Nᵀ S)_k|S_l.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them
@@ -219,13 +220,15 @@ template <class T> struct FirstOrder {
   /// transmits, for a unit of displacement, velocity and acceleration along S_c.
   ///
   /// If the joint of row r is that of column c or in its subtree, below() returns U_r|ψ''_c + t_r·ω(ψ'_c),
-  /// U_r|σ_c + t_r·ω(S_c) and U_r|S_c. The wrench U_r is M S_r, and t_r is the moment of the wrench Bᵀ S_r,
-  /// whose force is 0. M and B are the inertia and the Coriolis inertia of the subtree of joint r. If the
-  /// base of this subtree gains the velocity X and the acceleration Y, the wrench on the subtree changes by M
-  /// Y + B X, and hence the force of joint r by U_r|Y + t_r·ω(X). X and Y are ψ'_c and ψ''_c for a unit of
-  /// displacement along S_c (as seen in a frame that is displaced with the subtree of column c), S_c and σ_c
-  /// for a unit of velocity, and 0 and S_c for a unit of acceleration. If there are loads, the first number
-  /// also contains (Nᵀ S_r)|S_c, where N is the load stiffness of the subtree of joint r.
+  /// U_r|σ_c + t_r·ω(S_c) and U_r|S_c. With the inertia M and the Coriolis inertia B of the subtree of joint
+  /// r, U_r is the wrench M S_r, and t_r is the moment of the wrench Bᵀ S_r, whose force is 0. If the twists
+  /// V of the bodies of this subtree change by X, and their rates by Y - [V, X], the force of joint r changes
+  /// by U_r|Y + t_r·ω(X). For a unit of displacement along S_c, seen in a frame that is displaced with the
+  /// subtree, X and Y are ψ'_c and ψ''_c, the first two time derivatives of S_c as a screw that is fixed to
+  /// the predecessor of joint c. For a unit of velocity they are S_c and σ_c = ψ'_c + [V_c, S_c], where V_c
+  /// is the twist of the body that joint c moves, and for a unit of acceleration 0 and S_c. If there are
+  /// loads, the first number also contains (Nᵀ S_r)|S_c, where N is the load stiffness of the subtree of
+  /// joint r.
   struct Columns {
     Arrays<T> effect, NtS;  // copies, so that the compiler knows that no result overwrites them
     Number screws[psi_2 + 12], psi_1_of[3], wrenches[18];

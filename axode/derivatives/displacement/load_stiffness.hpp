@@ -40,9 +40,9 @@ constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representat
 /// The stiffness matrix N of loads (external wrenches), whose components are constant in their
 /// representations (body-fixed, spatial, hybrid or mixed). If a subtree is displaced along X, the wrench that
 /// balances its loads changes by N X, as seen in a frame that is displaced with the subtree ((D1.15) of
-/// docs/derivations). N = [[A, -b~], [-f~, 0]] has a 3 × 3 matrix A and two vectors: f is the sum of the
-/// forces of all loads that are not body-fixed, and b the sum of the forces of spatial loads. The 15 numbers
-/// can be summed over loads.
+/// docs/derivations). N = [[A, -b~], [-f~, 0]] with a 3 × 3 matrix A, the sum f of the forces of all loads
+/// that are not body-fixed, and the sum b of the forces of spatial loads. The 15 numbers of A, b and f can be
+/// summed over loads.
 template <class T> struct LoadStiffness {
   Mat3<T> A;
   Vec3<T> b, f;

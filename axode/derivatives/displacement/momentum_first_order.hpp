@@ -4,11 +4,12 @@
 
 namespace axode {
 
-/// The screws and wrenches that belong to one joint screw S. The derivatives of the generalised momenta p,
-/// and of their rates p', are sums of powers of a wrench that belongs to one joint screw on a screw that
-/// belongs to another ((D5.3) and (D5.4) of docs/derivations). With the twists V_p of the predecessor and
-/// V of the body, and the inertia M and the momentum Π of the subtree, the screws are S, ψ = [V_p, S] and
-/// η = [V, S], and the wrenches are U = M S, D = M ψ - ad_Sᵀ Π and A = M η - ad_Sᵀ Π.
+/// The screws S, ψ and η and the wrenches U, D and A that belong to one joint screw S. The derivatives of the
+/// generalised momenta p, and of their rates p', are sums of powers of a wrench of one joint screw on a screw
+/// of another ((D5.3) and (D5.4) of docs/derivations):
+///   ψ = [V_p, S],   η = [V, S],   U = M S,   D = M ψ - ad_Sᵀ Π,   A = M η - ad_Sᵀ Π.
+/// V_p and V are the twists of the predecessor and of the body that the joint moves, and M and Π are the
+/// inertia and the momentum of the subtree of this body.
 template <class T> struct MomentumEffects {
   Motion6<T> S, psi,
       eta;  ///< ψ = [V_p, S] with the twist of the predecessor, η = [V, S] with that of the body
@@ -118,10 +119,8 @@ template <class T> struct MomentumFirstOrder {
   /// Computes, for each joint screw S, the screws and wrenches of MomentumEffects:
   ///   ψ = [V_p, S],   η = [V, S],   U = M S,   D = M ψ - ad_Sᵀ Π,   A = M η - ad_Sᵀ Π.
   /// V_p and V are the twists of the predecessor and of the body that the joint moves, and M and Π are the
-  /// inertia and the momentum of its subtree. The derivatives of the generalised momenta by q, and of their
-  /// rates by q and v, are sums of powers of these wrenches on these screws. `screws` computes the twists and
-  /// the momenta of the bodies as the twist rates and the wrenches of a motion at rest without gravity whose
-  /// accelerations are v.
+  /// inertia and the momentum of the subtree of this body. The twists and momenta are computed as the twist
+  /// rates and wrenches of a motion without gravity with the velocities 0 and the accelerations v.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
@@ -145,11 +144,11 @@ template <class T> struct MomentumFirstOrder {
 
   /// Writes to `line`, for joint screw l and each joint screw k from `begin` to `end` - 1, the six powers
   ///   S_l|D_k,   η_l|D_k,   η_l|U_k,   ψ_l|U_k,   ψ_l|A_k,   S_l|A_k
-  /// of which the derivatives of the momenta and of their rates consist (D5.4). For a joint screw S these
-  /// quantities are
+  /// of which the derivatives of the generalised momenta and of their rates consist (D5.4). A bar means the
+  /// power of a wrench on a screw. For a joint screw S
   ///   ψ = [V_p, S],   η = [V, S],   U = M S,   D = M ψ - ad_Sᵀ Π,   A = M η - ad_Sᵀ Π.
-  /// A bar means the power of a wrench on a screw. V_p and V are the twists of the predecessor and of the
-  /// body, and M and Π are the inertia and the momentum of the subtree.
+  /// V_p and V are the twists of the predecessor and of the body that the joint moves, and M and Π are the
+  /// inertia and the momentum of the subtree of this body.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);

@@ -9,9 +9,9 @@
 namespace axode {
 
 /// The inertia M, the Coriolis inertia B and the wrench F of a body, or their sums over bodies. F is the
-/// wrench that the joints of a body must exert on it for its motion under gravity and applied wrenches. The
-/// change of F follows from M, B and F when the bodies are displaced (D1.11). For a twist X = (w; v), B X is
-/// the wrench that gives mass elements with velocities r' the Coriolis acceleration 2 w × r'. All are in
+/// wrench that the joints of a body must exert on it for its motion under gravity and applied wrenches. For a
+/// twist X = (w; v), B X is the wrench that gives mass elements with velocities r' the Coriolis acceleration
+/// 2 w × r'. If the bodies are displaced, the change of F follows from M, B and F (D1.11). All are in
 /// inertial axes about the present origin of the root body, which is the body of the branch that is joined to
 /// the ground.
 template <class T> struct MovingInertia {
@@ -48,14 +48,14 @@ template <class T> struct MovingInertia {
   }
 };
 
-/// The screws and wrenches that belong to one joint screw S. The derivatives of τ are sums of powers of a
-/// wrench that belongs to one joint screw on a screw that belongs to another ((D1.16) and (D1.17) of
-/// docs/derivations). The screws are S, its first two time derivatives ψ' and ψ'' as a screw that is fixed to
-/// the predecessor, and σ. The wrenches are U, P, R and Bᵀ S, which consists of a moment t alone:
+/// The screws and wrenches that belong to one joint screw S. The derivatives of the joint forces τ are sums
+/// of powers of a wrench that belongs to one joint screw on a screw that belongs to another ((D1.16) and
+/// (D1.17) of docs/derivations). The screws are S, its first two time derivatives ψ' and ψ'' as a screw that
+/// is fixed to the predecessor, and σ. The wrenches are U, P, R and Bᵀ S, which consists of a moment t alone:
 ///   σ = ψ' + [V, S],   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F,   R = M σ + B S.
-/// V is the twist of the body that the joint moves. M, B and F belong to its subtree: M is the inertia, and F
-/// the wrench that the joint transmits. B is the Coriolis inertia: for a twist X = (w; v), B X is the wrench
-/// that gives mass elements with velocities r' the Coriolis acceleration 2 w × r'.
+/// V is the twist of the body that the joint moves. M, B and F belong to the subtree of this body: M is the
+/// inertia, and F the wrench that the joint transmits. B is the Coriolis inertia: for a twist X = (w; v), B X
+/// is the wrench that gives mass elements with velocities r' the Coriolis acceleration 2 w × r'.
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;
@@ -108,12 +108,12 @@ template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, 
 /// the body that the joint moves.
 template <class T> struct MovingColumn { Motion6<T> S, V_p, dV_p, V; };
 
-/// The joint screws of a moving tree, and what the derivatives of forces along these screws depend on: the
-/// poses, the twists and the rates of the twists of the bodies, and the inertia, the Coriolis inertia and the
-/// wrench (MovingInertia) of each body or, after compose(), of its subtree. All are in inertial axes about
-/// the present origin of the root body of the branch, which is the body that is joined to the ground. A
+/// The joint screws of a moving tree, and the quantities of its bodies from which the derivatives of the
+/// joint forces are computed: the poses, the twists and their rates, and the inertia, the Coriolis inertia
+/// and the wrench (MovingInertia) of each body or, after compose(), of its subtree. All are in inertial axes
+/// about the present origin of the root body, which is the body of the branch that is joined to the ground. A
 /// column is one joint screw; columns of a subtree are adjacent. The screw of a coupled joint is for a unit
-/// velocity of its leader. Together with ScrewEffects this takes about 650 products and sums for a hinge.
+/// velocity of its leader, the joint that it follows.
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -250,10 +250,10 @@ template <class T> struct MovingScrews {
 
  private:
   /// Adds the motion along one joint screw S = (e; s), with the velocity dq and the acceleration ddq, to the
-  /// motion `before`, which has the twist V_b and its rate V'_b. Returns the twist V = V_b + S dq and its
-  /// rate V' = V'_b + S ddq + [V_p, S] dq. The motion p is that of the predecessor, with the twist V_p. For
-  /// the first screw of a joint `before` is p; for a later one it also contains the earlier screws of the
-  /// joint. Stores S, V_p and the rate of V_p in row c of `columns`, the row of this joint screw.
+  /// motion `before`, which has the twist V_b and its rate V'_b. Returns the twist V_b + S dq and its rate
+  /// V'_b + S ddq + [V_p, S] dq, where V_p is the twist of the predecessor, whose motion is `p`. For the
+  /// first screw of a joint, `before` is `p`; for a later one it also contains the motions along the earlier
+  /// screws. Stores S, V_p and the rate of V_p in row c of `columns`.
   [[gnu::always_inline]] SpatialMotion moved_by(int c, const Vector& e, const Vector& s,
                                                 const SpatialMotion& p, const SpatialMotion& before,
                                                 const T& dq, const T& ddq) const noexcept {
