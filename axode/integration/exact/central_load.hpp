@@ -19,12 +19,12 @@ struct LoadCondition {
 /// bound - |λ_N|. Infinity if there are no conditions.
 double least_reserve(const std::vector<LoadCondition>& conditions, const Eigen::VectorXd& lambda);
 
-/// Moves the loads λ, the normal and tangential forces of constraints, along the columns of `basis` to the
-/// loads with the largest reserve, and returns this reserve (D11.31). The reserve is the least distance of λ
-/// from violating a condition, such as λ_N ≥ 0 or a friction cone, see least_reserve(). It need not become
-/// larger than `most`. If λ already has a reserve of more than 1e-3 `most`, it is left as it is. An
-/// interior-point method finds the reserve to about 1e-14 of `most`, in some hundred iterations of O(k³) for
-/// k columns. Allocates.
+/// Finds among the loads λ + `basis` z, with any vector z, those with the largest reserve, and returns this
+/// reserve (D11.31). Loads are normal and tangential forces of constraints. Their reserve is the least margin
+/// by which they obey their conditions, such as λ_N ≥ 0 or a friction cone, see least_reserve(). If λ itself
+/// has a reserve of more than 1e-3 `most`, it is left as it is. Otherwise an interior-point method finds the
+/// largest reserve up to `most`, to about 1e-14 of `most`, in some hundred iterations of O(k³) for k columns
+/// of `basis`. Allocates.
 double maximise_reserve(const std::vector<LoadCondition>& conditions, const Eigen::MatrixXd& basis,
                         double most, Eigen::VectorXd& lambda);
 

@@ -41,9 +41,9 @@ struct Gap {
 
 /// The motion of a mechanism in one phase (D11.29). In a phase the same contacts and hard stops are closed,
 /// and no contact and no joint with dry friction changes between sticking and sliding. An object also
-/// computes what happens at the end of a phase: impacts (D11.34), and the next phase by the laws for
-/// accelerations (D11.32). It is the scratch memory of one thread, and most of its functions allocate.
-/// Functions that can fail return the reason, which is otherwise empty.
+/// computes the changes at the end of a phase: the velocities after impacts (D11.34), and which constraints
+/// of the next phase are closed, stick or slide (D11.32). Each thread needs an object of its own. Most
+/// functions allocate. Functions that can fail return the reason, or an empty string if they succeed.
 class ContactPhase {
  public:
   using Vector = Eigen::VectorXd;
@@ -73,16 +73,18 @@ class ContactPhase {
   std::string accelerate(const Vector& q, const Vector& v, const Forces& forces, std::span<double> a);
 
   // After accelerate():
-  /// A number that becomes negative when normal forces or friction cannot hold the constraints that are
-  /// closed now (D11.31). It is the least distance of the constraint forces from a limit or, if several sets
-  /// of forces give the same accelerations, the largest such distance. It is divided by √(aᵀ M a), with the
-  /// accelerations a that all forces cause and the mass matrix M.
+  /// A number that becomes negative when the constraints that are closed now need normal forces that pull, or
+  /// friction beyond its limit (D11.31). It is the least margin of these forces, measured by the acceleration
+  /// that a force of this size causes, divided by the sum of the norms of the accelerations without and with
+  /// constraint forces; the norm of a is √(aᵀ M a) with the mass matrix M. If several sets of constraint
+  /// forces give the same accelerations and the quotient is not above 0.001, that of the set with the largest
+  /// margin is taken. The result is 0 if both accelerations are 0.
   double reserve();
-  /// For each constraint in the list `closed` of contacts, stops and joints with friction: slips() has its
-  /// sliding velocity along the direction of sliding that is stored with it, and speeds() the norm of its
-  /// sliding velocity. In a contact, each component of the velocity (sliding, drilling, rolling) is
-  /// multiplied by the coefficient of friction in its direction. Both numbers are infinite for constraints
-  /// without friction or that do not slide.
+  /// For each constraint in the list `closed` of contacts, stops and joints with dry friction, speeds() has
+  /// the norm of its sliding velocity, and slips() the component of this velocity along the direction of
+  /// sliding that is stored for the constraint. In a contact, each component of the velocity (sliding,
+  /// drilling, rolling) is multiplied by the coefficient of friction in its direction. Both numbers are
+  /// infinite for a constraint that has no friction or does not slide.
   std::span<const double> slips() const { return slips_; }
   std::span<const double> speeds() const { return speeds_; }
   /// The certificate of the accelerations and forces of the phase (D11.7).
@@ -150,10 +152,10 @@ class ContactPhase {
   };
   void list_touching(const Vector& q, double most);
   /// Chooses from the velocities v which constraints in the list `closed` of contacts, stops and joints with
-  /// friction stick and which slide. Removes the contacts and stops that open because their distance
-  /// increases. `impacts` receives whether the distance of a contact or stop in the list decreases, so that
-  /// there is an impact. The velocity of a constraint is a rounding error if it is less than `of_motion`
-  /// times the largest one that the constraint could have with the same kinetic energy.
+  /// dry friction stick and which slide. Removes the contacts and stops whose distance increases. `impacts`
+  /// receives whether the distance of a contact or stop decreases, so that there is an impact. A velocity of
+  /// a constraint counts as 0 if it is at most `of_motion` times the largest one that the constraint could
+  /// have with the same kinetic energy of the mechanism.
   void select_slow(const Vector& v, double of_motion, bool& impacts);
   std::string find(const Vector& q);  ///< finds all points of contact at q
   const ContactPoint* point(std::uint64_t key) const;
@@ -167,11 +169,11 @@ class ContactPhase {
   double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
   /// Writes the direction of the present sliding velocity of a contact to `s`, and returns the norm of this
   /// velocity. The components of the velocity are the velocities in the friction rows of the contact, each
-  /// multiplied by the coefficient of friction of its row. Let d_0 be the direction of sliding that is stored
-  /// for the contact. Near rest, an error of the velocity turns its direction. Therefore, before the
-  /// direction is computed, the part of the velocity perpendicular to d_0 is shortened by `resolution`, the
-  /// error of velocities (m/s), or set to 0 if it is shorter (D11.29a). If the velocity has a negative
-  /// component along d_0, `s` is multiplied by -1, so that it never points against d_0.
+  /// multiplied by the coefficient of friction of its row. Near rest, an error of the velocity turns its
+  /// direction. Therefore, if a direction d_0 is stored for the contact, the part of the velocity
+  /// perpendicular to d_0 is first shortened by `resolution`, the error of velocities (m/s), or set to 0 if
+  /// it is shorter (D11.29a). If the velocity has a negative component along d_0, `s` is multiplied by -1, so
+  /// that it never points against d_0.
   double direction(std::size_t k, double* s) const;
   /// The components of the stored direction of a contact in the axes of its friction rows.
   std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;

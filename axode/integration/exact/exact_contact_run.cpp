@@ -359,12 +359,12 @@ void ExactContactRun::add_event(const ContactPhase::Impact& it, double t) {
                                        .shortened = it.shortened});
 }
 
-/// Adds the events at time t. Each impact in `met` is an event: a bounce, or a closure. In addition, contacts
-/// and stops have an event if they have closed or opened without an impact, and contacts and joints with
-/// dry friction if they have begun, ceased or reversed sliding. These events follow from a comparison of the
-/// list `before` with the present list of constraints, which contains the closed contacts and stops and all
-/// joints with dry friction. stopped[k] says whether the sliding velocity of constraint k of `before` has
-/// become 0.
+/// Adds the events at time t to the trajectory: the impacts in `met`, each a bounce or a closure; contacts
+/// and stops that have closed or opened without an impact; and contacts and joints with dry friction that
+/// have begun, ceased or reversed sliding. All but the impacts follow from a comparison of the constraints
+/// before the events, in `before`, with the present ones: closed contacts and stops, and all joints with dry
+/// friction. stopped[k] says whether the sliding velocity of constraint k of `before` has become 0; if it
+/// still slides, it has reversed.
 void ExactContactRun::note_changes(double t, const std::vector<ClosedConstraint>& before,
                                    const std::vector<ContactPhase::Impact>& met,
                                    const std::vector<char>& stopped) {

@@ -30,11 +30,10 @@ class ExactContactRun : public SimulationRun {
     std::vector<double> slips = {}, speeds = {};
     std::vector<Gap> gaps = {};
   };
-  /// For a contact or stop that is open at the start of a step: the time `from` (s, of the motion) after
-  /// which a negative gap counts as a closure, and the predicted time `closes` at which the gap becomes
-  /// negative. `closes` is infinite if the gap does not become negative in the step. `from` is minus
-  /// infinity, except if the contact has just opened: rounding may then make its gap negative, and `from` is
-  /// a time just before the predicted closure, or infinite.
+  /// For a contact or stop that is open at the start of a step: `closes` is the predicted time (s) in the
+  /// step at which its gap becomes negative, or infinite if it does not. A negative gap counts as a closure
+  /// only after the time `from`. It is minus infinity, except if the contact or stop has just opened, so that
+  /// rounding may make its gap negative: then it is a time just before `closes`, or infinite if `closes` is.
   struct Window {
     double from, closes;
   };

@@ -4,14 +4,15 @@
 
 namespace axode {
 
-/// Integrates a motion with contact in smooth phases by the method of simulate(), within its tolerances.
-/// Times of impacts, of separation, and of the beginning and the end of sliding are roots that are found to
-/// about 1e-13 s, see Trajectory::contact_events. Contacts, hard stops, loops and, if joint_losses is set,
-/// dry friction of joints obey the laws (D11.1) for accelerations in between and for velocities in impacts;
-/// Trajectory::certificates says how exactly. Contact forces are those at the ends of steps, without impacts.
-/// The method is meant for few contacts: a step takes O(nv³ + m³) for m scalar constraints that are closed,
-/// and every event shortens a step. If it cannot decide the motion (a face whose points of contact change, a
-/// load that sliding contacts share, too many events), the trajectory ends and says so.
+/// Integrates a motion with rigid contacts in smooth phases, each by the adaptive method of simulate() within
+/// the tolerances. The events that end a phase are impacts, separation, and the beginning and the end of
+/// sliding; their times are found to about 1e-13 s, see Trajectory::contact_events. Contacts, hard stops,
+/// loops and, if joint_losses is set, dry friction of joints obey the laws (D11.1), which hold for
+/// accelerations in a phase and for velocities in an impact; Trajectory::certificates has the relative errors
+/// of the laws. Contact forces are those at the ends of steps, without impacts. The method is meant for few
+/// contacts: a step takes O(nv³ + m³) for m scalar constraints that are closed, and every event shortens a
+/// step. If the method cannot decide the motion (a face whose points of contact change, a load that sliding
+/// contacts share, too many events), the trajectory ends and says so.
 ///
 /// Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
 /// finite, until < 0, tolerances that are negative or both 0, absolute coordinates, compliant shapes, and
