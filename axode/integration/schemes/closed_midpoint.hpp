@@ -10,18 +10,15 @@
 namespace axode {
 
 /// A step of the midpoint rule between two impulses that close loops, one at each end of the step (D8.7).
-/// With the residuals r(q, t) of loops and prescribed motions, their Jacobian R, multipliers λ, momenta p,
-/// the mass matrix M, and the step length h,
+/// With the residuals r(q, t) of loops and prescribed motions, their Jacobian R, multipliers λ and μ, momenta
+/// p, the mass matrix M, and the step length h,
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1, t + h) = 0.
 /// After the step the caller projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = s', with the rates s' of the
 /// prescribed motions, 0 for loops. Then the method is symmetric, of second order, and symplectic on the
-/// closed configurations if the midpoint rule is and the prescribed motions rest.
+/// closed configurations if the midpoint rule is and the prescribed motions are constant.
 ///
-/// System is the class of the mechanism. Its member functions are those that Midpoint requires;
-/// closed_model(), the model in which prescribed motions are loop equations as well; motion_rows(t), the
-/// right sides s, s' and s'' (positions, velocities and accelerations) of the equations of the prescribed
-/// motions at time t; and checked(t, solvability), which returns a Failure at time t if a matrix was
-/// singular.
+/// System is the class of the mechanism. It must have the member functions of MomentumSimulationRun that are
+/// called here and in Midpoint.
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;

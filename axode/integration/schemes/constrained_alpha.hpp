@@ -18,13 +18,8 @@ namespace axode {
 /// multiple of the displacement M⁻¹ Bᵀ η is added to x. Nonholonomic constraints with the Jacobian N require
 /// N v_1 = 0 in both forms and, in the stabilised form, also N M⁻¹ Bᵀ η = 0.
 ///
-/// System is the class of the mechanism, for example an AbsoluteSimulationRun. Its member functions are
-/// bodies(), which returns the AbsoluteSystem with M and the constraints; factorize(t, q, v, c_x, c_v), which
-/// factorises Newton's matrix, with the derivatives c_x of x and c_v of v_1 by a_1; factorize_with_rank(t,
-/// q), which factorises M with the constraints and finds the redundant ones; forces(t, q, v, f);
-/// add_turning(v, f), which adds ad_vᵀ M v to f; set_time(t), which lets the residuals follow the prescribed
-/// motions at time t; norm(), the EnergyNorm of velocities; and velocity_scale(v, h), the magnitude against
-/// which rounding errors of v are judged in a step of length h.
+/// System is the class of the mechanism. It must have the member functions of AbsoluteSimulationRun that are
+/// called here.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;

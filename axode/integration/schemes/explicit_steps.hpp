@@ -114,14 +114,15 @@ inline constexpr const char* jumps =
     "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
     "joint_losses counts";
 
-/// Limits near singular configurations, where the loop equations are nearly dependent and the error estimate
-/// of a step jumps although the motion does not. weakest_row() is 1 if the loop equations are clearly
-/// independent; otherwise it is the least ratio of a pivot to a diagonal entry in the factorisation of their
-/// matrix A M⁻¹ Aᵀ, about 0.001 or less, and 0 if they are dependent. A step is near a singular configuration
-/// if weakest_row() is less than 1 in it. After a step far from singular configurations, up to `most_passing`
-/// steps in a row that are near one are accepted whatever their error estimate is. If weakest_row() is even
-/// less than `too_weak` in such a step, the step is first repeated up to `most_shortened` times, each time
-/// shorter by the factor `shortened`, until weakest_row() is larger.
+/// Limits of the step control near singular configurations, where the loop equations are nearly dependent and
+/// the error estimate of a step jumps although the motion does not. weakest_row() of a step is 1 if the loop
+/// equations are clearly independent; otherwise it is the least ratio of a pivot to a diagonal entry in the
+/// factorisation of A M⁻¹ Aᵀ, with the Jacobian A of the loop equations and the mass matrix M: about 0.001 or
+/// less, and 0 if they are dependent. A step is near a singular configuration if its weakest_row() is less
+/// than 1. After a step far from singular configurations, up to `most_passing` steps in a row that are near
+/// one are accepted whatever their error estimates are. If weakest_row() of such a step is even less than
+/// `too_weak`, the step is first repeated up to `most_shortened` times, each time shorter by the factor
+/// `shortened`, until weakest_row() is larger.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 

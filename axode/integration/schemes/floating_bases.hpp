@@ -10,11 +10,12 @@
 namespace axode {
 
 /// The floating bases of a mechanism for schemes on (q, p): the root bodies on a free joint without armature,
-/// damping and friction whose subtrees no loop connects to other bodies. Instead of the momentum of its
-/// joint, a floating base has the state y, the spatial momentum of its subtree in a moving frame, which does
-/// not rotate and falls with gravity (D5.6, D5.7). If no wrench is applied, the frame also moves with the
-/// initial velocity of the centre of mass. Hence every scheme keeps the linear momentum, and the angular
-/// momentum about the centre of mass, exact to rounding if no wrench is applied.
+/// damping and friction, if no loop connects their subtrees to other bodies and no coupling contains
+/// velocities of the joint. Instead of its joint momentum, a floating base has the state y, the spatial
+/// momentum of its subtree in a moving frame (D5.6, D5.7). The frame does not rotate, but falls with gravity
+/// and, if no wrenches are applied, also moves with the initial velocity of the centre of mass of the
+/// subtree. Hence every scheme keeps the linear momentum, and the angular momentum about the centre of mass,
+/// exact to rounding if no load acts on the mechanism and no drive on a floating base.
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
@@ -47,11 +48,11 @@ class FloatingBases {
     kernel_->run(*tree_, q);
     for (Root& root : roots_) root.center = center(root.body);
   }
-  /// Sets the initial velocities of the moving frames of the floating bases, and converts the joint momenta
-  /// p = M v from the inertial frame to the moving frames. A moving frame does not rotate and falls with
-  /// gravity; its motion begins when place() lets it coincide with the inertial frame. Its initial velocity
-  /// is 0 or, if no wrenches act, that of the centre of mass of the floating base with its subtree.
-  /// wrenches: whether wrenches act. The function may be called again with other momenta.
+  /// Sets the initial velocities of the moving frames of the floating bases, and converts the joint momenta p
+  /// = M v from the inertial frame to the moving frames. A moving frame does not rotate, but falls with
+  /// gravity from the time at which place() lets it coincide with the inertial frame. Its initial velocity is
+  /// 0 if `wrenches` says that wrenches are applied, and otherwise that of the centre of mass of the floating
+  /// base with its subtree. The function may be called again with other momenta.
   void start(bool wrenches, double* p) {
     for (Root& root : roots_) {
       set_frame(root, kernel_->link[root.body].C.R * read<BodyFixed>(root, p).f, wrenches);
@@ -79,8 +80,9 @@ class FloatingBases {
     return false;
   }
 
-  /// to_moving_frame() converts q and v of floating bases at time t from the inertial frame to the moving
-  /// frames, which do not rotate and fall with gravity; from_moving_frame() converts them back.
+  /// to_moving_frame() converts q and v of each floating base at time t from the inertial frame to the moving
+  /// frame of the base; from_moving_frame() converts them back. A moving frame does not rotate, but falls
+  /// with gravity from the time at which place() lets it coincide with the inertial frame.
   void to_moving_frame(double t, double* q, double* v) const { add(-1, t, q, v); }
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
   /// Converts q alone from the moving frames to the inertial frame.

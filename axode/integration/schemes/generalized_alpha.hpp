@@ -36,13 +36,12 @@ struct AlphaMeans {
 };
 
 /// One step of the generalised-α method on the group, from (q_0, v_0, a_0) to (q_1, v_1, a_1) with q_1 = q_0
-/// ⊕ x. Newton's method finds the a_1 for which ID(q_1, v_1, a_1) = τ, with inverse dynamics ID and joint
-/// forces τ; StepMatrix factorises its matrix. It has converged if the change of a_1 is a rounding error or
-/// moves q_1 by no more than the rounding of q_1, or if the residual is a rounding error of its terms.
+/// ⊕ x. Newton's method, with the matrix StepMatrix, finds the a_1 for which the residual r(q_1, v_1, a_1) of
+/// the equations of motion is 0. It has converged if the change of a_1 is a rounding error or moves q_1 by no
+/// more than the rounding error of q_1, or if r is a rounding error of its terms.
 ///
-/// System is the class of the mechanism, for example a SimulationRun. Its member functions are residual(t, q,
-/// v, a, r), which computes r = ID - τ; size_of_residual(r), the size of r; place_resolution(h), the velocity
-/// that moves q by its rounding error in a step of length h; and those that StepMatrix requires.
+/// System is the class of the mechanism. It must have the member functions of SimulationRun that are called
+/// here and in StepMatrix.
 template <class System> class GeneralizedAlpha {
  public:
   using Vector = Eigen::VectorXd;

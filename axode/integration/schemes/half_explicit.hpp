@@ -18,17 +18,11 @@ namespace axode {
 ///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i,
 /// and the states of drives x_{i+1} = x_0 + h Σ a_ij F_j with their rates F_i. The stages are i = 1, 2, 3,
 /// and the sums are over j = 1, ..., i. The first stage is the start of the step, with θ_1 = 0, V_1 = v_0 and
-/// x_1 = x_0; θ_4, V_4 and x_4 are the results. Hence a_ij is the entry in row i + 1 of the Butcher tableau,
-/// whose last row has the weights of the method. s' are the rates of prescribed motions, 0 for all other
-/// rows. Velocities satisfy the constraints; positions may violate them by O(h⁴) in a step, and are then
-/// projected.
+/// x_1 = x_0; θ_4, V_4 and x_4 are the results. s' are the rates of prescribed motions, 0 for all other rows.
+/// Velocities satisfy the constraints; positions may violate them by O(h⁴) in a step, and are then projected.
 ///
-/// System is the class of the mechanism, for example an AbsoluteSimulationRun. Its member functions are
-/// bodies(), which returns the AbsoluteSystem with M and the constraints; factorize(t, q), which factorises
-/// both; forces(t, q, v, f); add_turning(v, f), which adds ad_vᵀ M v to f; set_time(t), which lets the
-/// residuals follow the prescribed motions at time t; drives(), the DriveStates; norm(), the EnergyNorm of
-/// velocities; velocity_scale(v, h), the magnitude against which rounding errors of v are judged in a step of
-/// length h; and close(t, q, v), which projects q and v onto the constraints.
+/// System is the class of the mechanism. It must have the member functions of AbsoluteSimulationRun that are
+/// called here.
 template <class System> class HalfExplicit {
  public:
   using Vector = std::vector<double>;

@@ -20,15 +20,11 @@ namespace axode {
 ///
 /// The iteration for v uses M, factorised once, and then Newton's matrix (D8.6) if the residual r of the
 /// equation for M(q_m) v has not halved in an iteration. It has converged if the next change of v would be a
-/// rounding error, or if r is a rounding error of its terms, as it becomes even for nearly singular M. With a
-/// stiff drive at rest, it has also converged if the change of v moves q by no more than the rounding error
-/// of q.
+/// rounding error, or if r is a rounding error of its terms. With a stiff drive at rest, it has also
+/// converged if the change of v moves q by no more than the rounding error of q.
 ///
-/// System is the class of the mechanism, for example a SimulationRun. Its member functions are partials(t, q,
-/// v, p, f), which computes p = M v and f; factorize(t, q) and solve(x) with M; norm(), the EnergyNorm of
-/// velocities; velocity_scale(v, h), the magnitude against which rounding errors of v are judged in a step of
-/// length h; place_resolution(h), the velocity that moves q by its rounding error in a step; and those that
-/// StepMatrix requires.
+/// System is the class of the mechanism. It must have the member functions of MomentumSimulationRun that are
+/// called here and in StepMatrix.
 template <class System> class Midpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -54,23 +50,22 @@ template <class System> class Midpoint {
     matrix_in_use_ = MatrixKind::none;
     return iterate(t, h, q0, p0, 0, 0.5);
   }
-  /// Computes the step from (q0, p0) at time t over h with fewer factorisations than run(). The iteration for
-  /// the velocity v in the middle begins with the factorised matrix that the last call used, the mass matrix
-  /// or Newton's matrix, or with the mass matrix if the last call had another h. Newton's matrix is computed
-  /// if the residual does not fall to a tenth in an iteration. The iteration ends when the change of v is at
-  /// most `enough` times the magnitude of the velocities; is_exact() says whether v is then exact to
-  /// rounding.
+  /// Computes the step of length h from (q0, p0) at time t with fewer factorisations than run(). The
+  /// iteration for the velocity v in the middle of the step begins with the factorised mass matrix or
+  /// Newton's matrix that the last call used or, if h has changed, with the mass matrix. Newton's matrix is
+  /// computed if the residual of the equation for v does not fall to a tenth in an iteration. The iteration
+  /// ends when the change of v is at most `enough` times the magnitude of the velocities; is_exact() says
+  /// whether v is then exact to rounding.
   Failure run_again(double t, double h, const Vector& q0, const Vector& p0, double enough) {
     if (h != h_) matrix_in_use_ = MatrixKind::none;
     h_ = h;
     return iterate(t, h, q0, p0, enough, 0.1);
   }
   bool is_exact() const { return exact_; }
-  /// Prepares run_again() for a new step. In a step, run_again() iterates with the factors of the mass matrix
-  /// or, if this converges slowly, of Newton's matrix. Factors of Newton's matrix are kept for the new step,
-  /// unless the last iteration with them converged slowly. Factors of the mass matrix are always computed
-  /// anew, because the mechanism (System), which stores them, may have replaced them by those at another
-  /// configuration.
+  /// Prepares run_again() for a new step. If run_again() iterates with factors of Newton's matrix, they are
+  /// computed anew only if the last iteration with them converged slowly. Factors of the mass matrix are
+  /// always computed anew, because the mechanism (System), which stores them, may have replaced them by those
+  /// at another configuration.
   void renew_matrix() noexcept {
     renew_ = slowest_ > 0.02;
     if (matrix_in_use_ == MatrixKind::masses) matrix_in_use_ = MatrixKind::none;

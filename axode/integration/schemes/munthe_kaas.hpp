@@ -8,15 +8,15 @@
 
 namespace axode {
 
-/// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y). The configuration q is on the group of
-/// the tree, and y has the velocities v or the momenta, and possibly other states. T is the type of the
-/// numbers in (q, y), and S is that of the numbers in the tree. With the coefficients a_ij and c_i of a
-/// Tableau, stage i has
-///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
-///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
-/// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates. With one stage the method is Euler's. As an exception
-/// from these formulas, Euler's method for y = v is semi-implicit: q moves along h v with the velocity v at
-/// the end of the step.
+/// One step of length h, from time t, of an explicit Runge-Kutta-Munthe-Kaas method on (q, y). The
+/// configuration q is on the group of a tree, and y has the velocities or the momenta, and possibly other
+/// states. T is the type of the numbers in (q, y), and S that of the numbers in the tree. With the
+/// coefficients a_ij and c_i of a Tableau, stage i has
+///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i,
+/// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates, with the velocity V_i and the rate L_i = y' at the time
+/// t + c_i h and the state (q ⊕ θ_i, Y_i). With one stage the method is Euler's. If y has velocities, Euler's
+/// method is semi-implicit, unlike these formulas: q moves along h v with the velocity v at the end of the
+/// step.
 template <class T = double, class S = T> class MuntheKaas {
  public:
   using Vector = std::vector<T>;

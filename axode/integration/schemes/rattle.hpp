@@ -11,25 +11,20 @@
 
 namespace axode {
 
-/// A step of RATTLE on a group with constant mass matrix M (D8.9), or of its symmetric composition:
-/// symplectic if the forces f have a potential, with Φ(q) = s and B v = s' at the ends of all steps, for the
-/// residuals Φ of joints and loops, their Jacobian B, and the prescribed motions s(t), 0 for all other rows.
-/// With multipliers λ, the mean velocity w, p_0 = M v_0 and x = h w,
+/// A step of RATTLE on a group with constant mass matrix M (D8.9), or of its symmetric composition. Φ are the
+/// residuals of joints and loops, B is their Jacobian, and s(t) are the prescribed motions, 0 for all other
+/// rows. The ends of all steps satisfy Φ(q) = s and B v = s'. The method is symplectic if the forces f have a
+/// potential. With multipliers λ, the mean velocity w, p_0 = M v_0 and x = h w,
 ///   dexp⁻¹_xᵀ M w = p_0 + h/2 f(q_0, v_0) + B_0ᵀ λ = k,   q_1 = q_0 ⊕ x,   Φ(q_1) = s(t + h),
 ///   M v_1 = Ad_{exp x}ᵀ k + h/2 f(q_1, v_1) + B_1ᵀ λ_1,     B_1 v_1 = s'(t + h).
 /// Nonholonomic constraints with the Jacobian N are imposed in the middle instead, N(q_0 ⊕ x/2) w = 0
 /// (D8.10), by the discrete principle of Lagrange and d'Alembert (Cortés, Martínez). The method is then
-/// symmetric and keeps its order, but is not symplectic. The second equation for momenta is implicit in v_1,
-/// so that damping and drives keep the order. Newton's matrix consists of M and B at the predicted end of the
-/// step.
+/// symmetric and keeps its order, but is not symplectic. The equation for v_1 is implicit, so that damping
+/// and drives keep the order. Newton's matrix consists of M and B at the predicted end of the step. The
+/// states of drives follow the trapezoidal rule (D17.7a).
 ///
-/// System is the class of the mechanism, for example an AbsoluteSimulationRun. Its member functions are
-/// bodies(), which returns the AbsoluteSystem with M and the constraints; factorize(t, q), which factorises
-/// both, and factorize_with_rank(t, q), which also finds the redundant constraints; forces(t, q, v, f);
-/// add_turning(v, f), which adds ad_vᵀ M v to f; set_time(t), which lets the residuals follow the prescribed
-/// motions at time t; norm(), the EnergyNorm of velocities; velocity_scale(v, h), the magnitude against which
-/// rounding errors of v are judged in a step of length h; and drives(), the DriveStates, which follow the
-/// trapezoidal rule (D17.7a).
+/// System is the class of the mechanism. It must have the member functions of AbsoluteSimulationRun that are
+/// called here.
 template <class System> class Rattle {
  public:
   using Vector = std::vector<double>;

@@ -9,15 +9,11 @@
 
 namespace axode {
 
-/// Newton's matrix J of an implicit step, factorised (D8.6): the derivative of r = ID(q, v, a) - τ by a, with
-/// inverse dynamics ID, the mass matrix M and q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x
-/// δa, hence
-///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
-/// System is the class of the mechanism. Its member functions are residual_derivatives(q, v, a, dr), which
-/// computes the derivatives of r without those of the drive forces that the caller of the simulation gives as
-/// a function (SimulationOptions::drive); is_driven(), whether there is this function; drive(t, q, v), its
-/// part of -r; norm(), the EnergyNorm of velocities; local_coordinates(), exponential or Cayley's; and
-/// velocity_scale(v, h), the magnitude against which rounding errors of v are judged in a step of length h.
+/// Newton's matrix J of an implicit step, factorised (D8.6): the derivative by a of the residual r(q, v, a)
+/// of the equations of motion, where q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x δa, hence
+///   J = ∂r/∂a + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
+/// System is the class of the mechanism. It must have the member functions of SimulationRun that are called
+/// here.
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;

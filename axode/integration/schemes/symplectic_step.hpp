@@ -10,11 +10,10 @@
 
 namespace axode {
 
-/// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p). Part is the scheme of a part of
-/// the step, Midpoint or ClosedMidpoint; its first guess of v is extrapolated from the same part of the last
-/// steps. System is the class of the mechanism. It has the member functions that Part requires, and bases(),
-/// which returns its FloatingBases; drives(), its DriveStates; pushes_bases(), whether a load or drive acted
-/// on a floating base in the last evaluation; and close(t, q, p), which projects p onto closed loops.
+/// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p). Part, which is Midpoint or
+/// ClosedMidpoint, is the scheme of a part of the step; its first guess of the velocity in the middle of a
+/// part is extrapolated from the same part of the last steps. System is the class of the mechanism. It must
+/// have the member functions of MomentumSimulationRun that are called here and in Part.
 template <class System, class Part> class SymplecticStep {
  public:
   using Vector = Eigen::VectorXd;
