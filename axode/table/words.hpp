@@ -131,11 +131,11 @@ static_assert(sizeof(Counts) == properties.size() * sizeof(Count));
 struct Words {
   std::string_view name;     ///< name in C++, in Python and in the command
   std::string_view purpose;  ///< a whole sentence on the result, which no other row has
-  /// The units of the result; semicolons separate several results. A unit can depend on whether velocities,
-  /// or the parts of six-vectors, are angular or linear. Then both units are listed, angular first, as in "N
-  /// m, N". If it depends on two velocities or parts, units are listed by how many of the two are linear. "of
-  /// x" stands for the units of x. "per" stands for division by the unit of a direction, velocity, parameter,
-  /// displacement or impulse. For example, "of tau per unit of the direction" are the units of the
+  /// The units of the result; semicolons separate those of several results. If a unit depends on whether a
+  /// velocity, or a part of a six-vector, is angular or linear, both units are listed, angular first, as in
+  /// "N m, N". If it depends on several velocities or parts, unit k of the list, counted from 0, is for k
+  /// linear ones. "of x" stands for the units of x, and "per" for division by the unit of a direction,
+  /// velocity, parameter, displacement or impulse: "of tau per unit of the direction" are the units of the
   /// derivatives of tau by q, v and a.
   std::string_view units;
   List<Input, 8> takes;  ///< the inputs, in the order of the parameters in C++
