@@ -164,8 +164,9 @@ class ContactSystem {
   /// Computes the column of Y = D^-½ L⁻ᵀ Jᵀ that belongs to one row of the Jacobian J, with the mass matrix
   /// Lᵀ D L. The row has the generalised forces of the wrench `on_b` on body b and of the wrench -`on_a` on
   /// body a, plus the generalised forces x (nv numbers). Each wrench is in inertial axes, about the origin of
-  /// the root of its body. A backward sweep passes the bodies on the paths of a and b to the ground, which
-  /// find_path(a, b) must have found before.
+  /// the root body, which is the first body on the path from the ground to the body on which the wrench acts.
+  /// A backward sweep passes the bodies on the paths of a and b to the ground, which find_path(a, b) must
+  /// have found before.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
   /// Appends a block of constraint rows with the Jacobian J, whose columns belong to the velocities in
@@ -178,7 +179,8 @@ class ContactSystem {
   void add_contact(const Contact& contact, int& compliance);
   void add_unit_row(ContactLaw law, int velocity, double side, double bound);
   void add_loops(const double* q);
-  /// Expresses a wrench W, whose moment is about `point`, about the origin of the root of a body.
+  /// Expresses a wrench W on a body, whose moment is about `point`, about the origin of the root body (the
+  /// first body on the path from the ground to the body).
   Wrench<Spatial> at_root(int body, const Vec3<>& point, const Wrench<Spatial>& W) const noexcept;
 
   Model model_;
@@ -192,7 +194,7 @@ class ContactSystem {
   std::vector<char> residual_rows_;  ///< has_residual() of each row of the loops
   std::vector<Twist<Spatial>> V_;
   std::vector<Momentum<Spatial>> Pi_;
-  std::vector<int> root_body_;        ///< the root of each body
+  std::vector<int> root_body_;        ///< the first body on the path from the ground to each body
   std::vector<int> eliminated_at_;    ///< the body where each velocity is eliminated
   std::vector<int> active_;           ///< indices of the stops that have rows
   std::vector<PathBody> path_;        ///< bodies on the paths of a and b, in descending order

@@ -55,9 +55,9 @@ class VelocityProblem {
   /// Completes the problem. Multiplies each constraint row by its factor c, which is a coefficient of
   /// friction or 1. Then computes the scale d² of each row from the diagonal of Yᵀ Y = J M⁻¹ Jᵀ (D11.6), with
   /// the Jacobian J of the rows and the mass matrix M. d² is the entry of the row; all rows of a contact have
-  /// the entry of the normal row or half of the largest entry of the contact, whichever is larger. Sets rows
-  /// of loops that move nothing to 0, see moves(). If the normal impulse of a contact is given, adds the
-  /// motion by this impulse to w, the motion without impulses.
+  /// the larger of two numbers: the entry of the normal row, and half of the largest entry of the contact.
+  /// Sets rows of loops that move nothing to 0, see moves(). If the normal impulse of a contact is given,
+  /// adds the motion by this impulse to w, the motion without impulses.
   void finish() noexcept;
   /// Writes the normal impulses that were given for some contacts (ContactLaw::pressed) into the multipliers
   /// `lambda` of a solution, in which they are 0.
