@@ -86,9 +86,10 @@ class LimbPack {
 
   /// Reads the entries of the loop equations of each limb (a chain that carries the platform), and eliminates
   /// the limb's dependent velocities, which these equations determine. The pivot of a velocity is the largest
-  /// entry of its column in the rows without a pivot. It must exceed `certain` times the largest entry of the
-  /// limb's equations at dependent velocities or, if this is larger, `considerable`, a magnitude of entries
-  /// that are no rounding errors. Returns the index of a limb with too small a pivot; -1 if there is none.
+  /// entry of its column in the rows without a pivot. It must exceed `certain` times the larger of two
+  /// numbers: the largest entry of the limb's equations at dependent velocities, and `considerable`, a
+  /// magnitude of entries that are no rounding errors. Returns the index of a limb with too small a pivot; -1
+  /// if there is none.
   int resolve(const std::vector<std::vector<double>>& entries, double considerable, double certain) noexcept {
     fill(entries);
     Number size(considerable);

@@ -101,8 +101,8 @@ class AXODE_ENTRY TaskKernel {
   /// Distributes the limbs (chains that carry the platform) over packs, whose limbs are computed together in
   /// SIMD lanes. The limbs of a pack have the same numbers of loop equations, of dependent velocities (which
   /// the loop equations determine) with and without a drive, and of other velocities. The loop equations of a
-  /// limb also contain the velocities of the platform's joint on the ground, with columns in the order of
-  /// `carrying_`.
+  /// limb also contain the velocities of the joint that connects the platform to the ground in the spanning
+  /// tree; `carrying_` lists them in the order of their columns.
   void make_packs();
   void choose_components();
   /// Orders `velocities` in three groups: the dependent velocities without a drive, the dependent ones with a
@@ -115,9 +115,11 @@ class AXODE_ENTRY TaskKernel {
   /// Eliminates the dependent velocities of all limbs from their loop equations. Returns the index of a limb
   /// that is singular; -1 if there is none.
   int eliminate_limbs() noexcept;
-  /// Eliminates the dependent velocities of the platform's joint on the ground, the first `dependent_` ones
-  /// in `carrying_`, from the loop equations that remain after the elimination of the limbs' velocities.
-  /// Returns whether the rank of these equations is certain in spite of rounding errors.
+  /// Eliminates the dependent velocities of the joint that connects the platform to the ground in the
+  /// spanning tree, most often a free joint. `carrying_` lists the velocities of this joint, the `dependent_`
+  /// dependent ones first. They are eliminated from the loop equations that remain after the elimination of
+  /// the limbs' velocities. Returns whether the rank of these equations is certain in spite of rounding
+  /// errors.
   bool eliminate_constraints() noexcept;
   /// Computes the matrix N_c of (D18.4) and stores it in `N_`. The loop equations restrict the velocities of
   /// the platform's joint on the ground, so that only some of these velocities are independent, as many as
@@ -163,7 +165,7 @@ class AXODE_ENTRY TaskKernel {
   bool drives_by_limbs_ = false;  ///< whether drive_forces() may use the elimination of resolve()
   Matrix N_;                      ///< carrying velocities × f: N of (D18.5)
   Matrix tree_M_, M_;
-  std::vector<Inertia<>> composite_;  ///< inertia of each body with its subtree, about the origin of its root
+  std::vector<Inertia<>> composite_;  ///< inertia of each body's subtree about the origin of its root body
                                       ///< body
   std::vector<int> screw_;            ///< nv: the index of the joint screw of each velocity
   Vector before_, after_, remaining_, s_, y_;
