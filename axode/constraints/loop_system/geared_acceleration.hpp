@@ -8,8 +8,9 @@ namespace axode {
 
 /// Computes the accelerations a (nv) of a mechanism with loops and the multipliers λ of the loop equations (a
 /// number for each equation). If loads.joint_losses is set, the losses of gears of moving joints are
-/// included. Then std::invalid_argument is thrown if the model has springs in addition to gears with losses:
-/// callers can add the forces of springs to τ, but these forces do not pass through gears.
+/// included. The losses are computed from all of τ, but forces of springs, which callers may add to τ, do not
+/// pass through gears. Therefore std::invalid_argument is thrown if loads.joint_losses is set and the model
+/// has springs in addition to gears with losses.
 template <class T>
 Solvability accelerate_with_losses(LoopSystem<T>& system, const Model& model, NumberSpan<T> q,
                                    NumberSpan<T> v, NumberSpan<T> tau, const Loads<T>& loads, std::span<T> a,

@@ -219,7 +219,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// been computed.
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
-  /// The origins of the root bodies in the inertial frame, stored at the index of each root body.
+  /// The origins in the inertial frame of the root bodies, which are joined to the ground. Each is stored at
+  /// the index of its body.
   const Vec3<T>* root_origins() const { return origin_; }
 
   /// The matrix Y = D^-½ L⁻ᵀ Aᵀ of the last factorisation, with the Jacobian A of the m loop equations and
@@ -238,7 +239,7 @@ template <class T> class AXODE_ENTRY LoopSystem {
  private:
   struct State {
     loops::LoopFrames<T> frames;  ///< frames of the loop joint on its two bodies, relative to origin(k)
-    Vec3<T> shift;                ///< vector from origin(k) to the origin of the first body's root
+    Vec3<T> shift;                ///< vector from origin(k) to the origin of the root body of the first body
     loops::LoopWrenches<T> W;     ///< wrenches on the second body for unit multipliers
   };
   const Tree<T>& tree() const { return model_.tree<T>(); }

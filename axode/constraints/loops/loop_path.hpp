@@ -31,7 +31,7 @@ struct LoopPath {
 
   Range rows, residuals;  ///< rows of this loop in A and in R
   std::array<Loop::End, 2> ends = {};
-  std::array<int, 2> root{};        ///< root bodies of the trees with its two bodies; 0 for the ground
+  std::array<int, 2> root{};        ///< first body on the path from the ground to each end; 0 for the ground
   int meeting = 0;                  ///< body where the paths from the two bodies to the ground meet; 0 if it
                                     ///< is the ground
   std::vector<LoopColumn> columns;  ///< joint screws from the two bodies up to `meeting`, or terms of a
