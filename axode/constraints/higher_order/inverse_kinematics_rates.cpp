@@ -45,9 +45,9 @@ template <class Rep> void check(std::span<const TwistTarget<Rep>> targets, std::
 }
 
 /// The linear systems whose solutions are the joint velocities and their time derivatives. All have the same
-/// matrix: the Jacobians of the frames or points on bodies that have wanted motions, and below them the
-/// Jacobian of the loop equations. The right side of each is `wanted - known`, where `known` has the terms
-/// with lower derivatives.
+/// matrix: the Jacobians of the frames on bodies that have wanted motions, and below them the Jacobian of the
+/// loop equations. The right side of each is `wanted - known`, where `known` has the terms with lower
+/// derivatives.
 template <class Rep> class RateSystem {
  public:
   RateSystem(const Model& model, Numbers<double> q, std::span<const TwistTarget<Rep>> targets, int orders)

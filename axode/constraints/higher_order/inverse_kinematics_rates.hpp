@@ -23,10 +23,10 @@ struct RatesReached {
 
 /// Inverse kinematics of any order. Computes the velocities of the joints and their time derivatives v, v',
 /// v'', ... (`rates`, K rows of nv numbers, in the left-trivialised directions of the joints), such that
-/// places (frames or points on bodies) have given twists V and derivatives V', V'', ..., and loops stay
-/// closed. For each place, `targets` has V and the first K - 1 derivatives. The k-th derivatives are
-/// solutions of a linear system with the Jacobians J of the places and A of the loop equations A v = 0, the
-/// same for all k (D3.13):
+/// places (frames on bodies) have given twists V and derivatives V', V'', ..., and loops stay closed. For
+/// each place, `targets` has V and the first K - 1 derivatives. The k-th derivatives are solutions of a
+/// linear system with the Jacobians J of the places and A of the loop equations A v = 0, the same for all k
+/// (D3.13):
 ///   J v^(k) = V^(k) - (terms of V^(k) with lower derivatives of v)
 ///   A v^(k) = -(terms of (A v)^(k) with lower derivatives of v)
 /// If the targets do not determine the motion of the joints, the v^(k) with the least Euclidean norm is taken
