@@ -6,8 +6,9 @@ namespace axode {
 /// The composite-body algorithm, which computes the mass matrix (Featherstone). The composite inertia of body
 /// i is the inertia of its subtree with locked joints: its own inertia plus the composite inertias of its
 /// children, moved to body i. For each screw S of joint i, F is the impulse that gives this subtree the twist
-/// S. F is moved from body to predecessor up to the root; at each joint on the way, the product S_j | F with
-/// a screw S_j of the joint is the entry of the mass matrix for S and S_j, without armatures.
+/// S. F is moved from body to predecessor up to the first body on the path from the ground; at each joint on
+/// the way, the product S_j | F with a screw S_j of the joint is the entry of the mass matrix for S and S_j,
+/// without armatures.
 template <class Rep, class T> struct CompositeBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M;

@@ -29,7 +29,7 @@ template <class Decomposition> class Factor {
 using LuFactor = Factor<Eigen::PartialPivLU<Eigen::MatrixXd>>;
 /// Cholesky's factorisation of a symmetric positive definite matrix.
 using CholeskyFactor = Factor<Eigen::LLT<Eigen::MatrixXd>>;
-/// Cholesky's factorisation without roots, with exchanges, of a symmetric semi-definite matrix.
+/// Cholesky's factorisation without square roots, with exchanges, of a symmetric semi-definite matrix.
 using LdltFactor = Factor<Eigen::LDLT<Eigen::MatrixXd>>;
 extern template class Factor<Eigen::PartialPivLU<Eigen::MatrixXd>>;
 extern template class Factor<Eigen::LLT<Eigen::MatrixXd>>;

@@ -78,9 +78,10 @@ template <class F> void each_root(const Topology& topology, F&& f) {
   for (int i = 1; i <= topology.n; i = topology.subtree_end[i]) f(i);
 }
 
-/// Replaces the position of each root body in C_pi by 0 and stores it in `origin`, so that the origin of the
-/// root body serves as the inertial origin for its subtree. This is done because the rounding errors of
-/// forces depend on the position of the inertial origin, while the forces do not.
+/// Replaces the position of each root body (a body joined to the ground) in C_pi by 0 and stores it in
+/// `origin`, so that the origin of the root body serves as the inertial origin for its subtree. This is done
+/// because the rounding errors of forces depend on the position of the inertial origin, while the forces do
+/// not.
 template <class T> void move_to_roots(const Topology& topology, SE3<T>* C_pi, Vec3<T>* origin) noexcept {
   each_root(topology, [&](int i) {
     origin[i] = C_pi[i].r;
@@ -108,8 +109,8 @@ template <class Rep, class T> struct BodyLinks {
   }
   /// Computes the links, the transformations of twists and wrenches between each body and its predecessor,
   /// from the poses C_pi of the bodies relative to their predecessors. First replaces the positions of the
-  /// root bodies in C_pi by 0 and stores them in `origin`, so that the origin of each root body serves as the
-  /// inertial origin for its subtree.
+  /// root bodies (bodies joined to the ground) in C_pi by 0 and stores them in `origin`, so that the origin
+  /// of each root body serves as the inertial origin for its subtree.
   template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree) noexcept {
     move_to_roots(*tree.operator->(), C_pi, origin);
     link[0] = Link<Rep, T>::root();

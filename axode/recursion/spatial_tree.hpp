@@ -11,8 +11,9 @@ template <class X> void sum_subtrees(const Topology& topology, X* x) noexcept {
 }
 
 /// The screws J_i^s of all joints in spatial representation, and the composite inertia M_i^c of the subtree
-/// of each joint. Both are in inertial axes about the present position O of the origin of the root body, so
-/// that no digits are lost if the mechanism is far from the inertial origin.
+/// of each joint. Both are in inertial axes about the present position O of the origin of the root body (the
+/// first body on the path from the ground), so that no digits are lost if the mechanism is far from the
+/// inertial origin.
 template <class T> struct SpatialTree {
   const Topology* topology = nullptr;
   BodyLinks<Spatial, T> links;
@@ -73,7 +74,8 @@ template <class T> struct SpatialTree {
   }
 };
 
-/// Spatial twists of all bodies and momenta Π_i^A of their subtrees, about the origin of the root body.
+/// Spatial twists of all bodies and momenta Π_i^A of their subtrees, about the origin of the root body (the
+/// first body on the path from the ground).
 template <class T> struct SubtreeMomenta {
   Twist<Spatial, T>* V;
   Momentum<Spatial, T>* Pi;
