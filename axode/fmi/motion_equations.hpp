@@ -90,8 +90,9 @@ class MotionEquations {
   void switch_plays(Point& at);
   /// Takes note that a step of the importing program has ended at `at`, without an event.
   void complete_step(const Point& at) { plays_.reduce_overshoot(at.q); }
-  /// The least margin of the drives. It is negative when a status, the integer that selects a branch of a
-  /// drive's law, must change; it is 1 if there are no statuses.
+  /// The least margin of the statuses of all drives; 1 if there are no statuses. A status is an integer that
+  /// selects a branch of a drive's law. Its margin becomes negative when the status must change; it is for
+  /// example the distance of a current from its limit, in A.
   double least_margin(const Point& at);
   /// The poses of frames, given by indices, with 12 numbers each: columns of the rotation, then position.
   std::vector<double> poses(const Point& at, std::span<const int> frames);

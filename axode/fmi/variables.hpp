@@ -62,8 +62,9 @@ struct Parameter {
   double step = 0.25;
 };
 
-/// An elastic stop of a joint. Its gap, side × (limit - p), is an event indicator of the FMU. p = ratio q +
-/// offset is the position of the joint, where q is the coordinate with the index `coordinate`.
+/// An elastic stop of a joint. Its gap, side × (limit - p), is an event indicator of the FMU, with side = 1
+/// for an upper limit and -1 for a lower one. p = ratio q + offset is the position of the joint, where q is
+/// the coordinate with the index `coordinate`.
 struct Stop {
   std::size_t coordinate = 0;
   double ratio = 1, offset = 0, limit = 0;
