@@ -27,9 +27,9 @@ class Points {
   /// origin of this body is left out: its body frame may then be far from the body.
   const std::map<std::string, std::vector<Vec3<>>>& fixed() const { return fixed_; }
   std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) const;
-  /// The length (m) of a body. It is the diagonal of a box along the axes of the body frame around the points
-  /// of the joints, frames, loops, springs and drives on the body or, if this is more, twice the distance of
-  /// the centre of mass from the first of these points.
+  /// The length (m) of a body. It is the larger of two lengths: the diagonal of a box along the axes of the
+  /// body frame around the points of the joints, frames, loops, springs and drives on the body, and twice the
+  /// distance of the centre of mass from the first of these points.
   double length(int body) const { return lengths_[body]; }
   /// Height of the lowest point in the reference configuration, m.
   double lowest(const Vec3<>& up) const;

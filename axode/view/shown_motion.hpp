@@ -23,8 +23,9 @@ struct ShownMotion {
   std::vector<std::vector<AppliedWrench<>>> loads;
 };
 
-/// Throws std::invalid_argument if a size does not fit the model, if the times do not increase, if a number
-/// is not finite, or if a quaternion is not of unit norm.
+/// Checks whether a motion fits the model. Throws std::invalid_argument if a size is wrong, if the times do
+/// not increase, if a number is not finite, if a quaternion is not of unit norm, or if a contact or a load
+/// has the index of a shape or frame that does not exist.
 void check(const Model& model, const ShownMotion& motion);
 
 namespace view {
