@@ -37,9 +37,10 @@ double ResistingForces::bound(Eigen::Index i, int direction) const {
 /// Checks the condition (D9.12) under which the friction forces of joints with gears are unique: Φ + diag(δ)
 /// must be positive definite, except that pivots of joints with δ = 0 may be 0. Φ = ∂a/∂τ is the response of
 /// the accelerations to joint forces. κ_b is the part of the transmitted force that a gear loses when it is
-/// driven back (0 without a gear), and I the inertia of its rotor. For joints that move or have κ_b > 1, δ is
-/// (1 - κ_b)/(κ_b I), and the joint is left out of Φ if κ_b I = 0. For all other joints δ is 0. Returns -1 if
-/// the condition holds, and otherwise the index i of the joint with the most negative δ_i/Φ_ii.
+/// driven back (0 without a gear), and I the armature of the joint, which is the inertia of the rotor as it
+/// acts on the joint. For joints that move or have κ_b > 1, δ is (1 - κ_b)/(κ_b I), and the joint is left out
+/// of Φ if κ_b I = 0. For all other joints δ is 0. Returns -1 if the condition holds, and otherwise the index
+/// i of the joint with the most negative δ_i/Φ_ii.
 int ResistingForces::not_unique(const Matrix& Phi) const {
   std::vector<Eigen::Index> rows;  // joints that stick in the worst case come first
   std::vector<double> diagonal;
