@@ -8,8 +8,8 @@
 namespace axode {
 
 /// Computes the inverse operational-space inertia J M⁻¹ Jᵀ = J Y (36 entries, row by row) of a place (a frame
-/// or a point on a body) from its Jacobian J (nv columns) and Y = M⁻¹ Jᵀ (nv rows), with the mass matrix M.
-/// It is made exactly symmetric.
+/// on a body) from its Jacobian J (nv columns) and Y = M⁻¹ Jᵀ (nv rows), with the mass matrix M. It is made
+/// exactly symmetric.
 template <class Rep, class T>
 void inverse_frame_inertia(std::span<const Twist<Rep, T>> J, std::span<const Twist<Rep, T>> Y,
                            T* Lambda_inverse) {

@@ -66,7 +66,7 @@ template <class Joint, class T> struct ElasticLogarithm {
   Screw<T> minus_X_;
 };
 
-/// The body at which the paths from two frames or points on bodies to the ground meet.
+/// The body at which the paths from two frames on bodies to the ground meet.
 template <class T> int meeting_of(const Tree<T>& tree, const std::array<Place<T>, 2>& place) noexcept {
   return common_predecessor(tree, tree->frame_body[place[0].frame], tree->frame_body[place[1].frame]);
 }
