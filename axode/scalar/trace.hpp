@@ -9,8 +9,8 @@ namespace axode {
 
 class Tape;
 
-/// A number that records how it is computed. While a Tape exists in the thread, the tape receives the list of
-/// all operations on Traces, in which every operation occurs once.
+/// A number that records how it is computed. While a Tape exists in the thread, the tape records all
+/// operations on Traces. An operation that is repeated with the same operands is recorded only once.
 ///
 /// A Trace is a factor times a recorded number, or a constant. Therefore constants and signs are folded and
 /// never recorded: 0 x = 0, x + 0 = x, x - x = 0, (2 x) (-3 y) = -6 (x y), a b - c d = -(c d - a b). For all
