@@ -100,10 +100,12 @@ class ContactStepDerivative {
     Vector physical() const { return c.cwiseProduct(lambda); }
   };
 
-  /// The start of a substep (a step or a part of one). Matrices of changes have k columns for the directions
-  /// of differentiation, at constant multipliers, and then a column for each multiplier with the derivative
-  /// by it. A multiplier is the impulse of a constraint row at the start, divided by the coefficient of
-  /// friction if it is a friction row of a contact.
+  /// Quantities at the start of a substep (a step of a simulation or a part of one). dq and dv are the
+  /// changes of q and v before the impulses, dp and du those of p and u, dtau those of the drive forces, and
+  /// `friction` those of the coefficients of friction of the shapes. Each of these matrices has k columns for
+  /// the directions of differentiation, at constant multipliers, and then a column for each multiplier with
+  /// the derivative by it. A multiplier is the impulse of a constraint row at the start of the substep,
+  /// divided by the coefficient of friction if it is a friction row of a contact.
   struct Start {
     Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
@@ -126,7 +128,8 @@ class ContactStepDerivative {
     Matrix du;
   };
 
-  /// The norm √(xᵀ M x) of velocities x; for several columns, the root of the sum of their squared norms.
+  /// The norm √(xᵀ M x) of velocities x; for several columns, the square root of the sum of their squared
+  /// norms.
   static double mass_norm(const Matrix& M, const Matrix& x);
   void take_momenta(const Vector& q, const Vector& v, Momenta& out);
   /// Finds the points, normals and gaps of contacts with gaps up to `margin`, and their changes along the
