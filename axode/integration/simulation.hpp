@@ -122,10 +122,10 @@ Trajectory simulate_half_explicit(const Model& model, std::span<const double> q,
 /// or its compositions (order 4: Suzuki's, order 6: Kahan's and Li's), see (D8.5) of docs/derivations. The
 /// implicit method is symmetric, and symplectic if forces have a potential (and no joint of several
 /// velocities has armatures), so that energy errors stay bounded; damping and drives enter by d'Alembert's
-/// principle. If only gravity acts on a floating base (a root body on a free joint without armature) and its
-/// subtree from outside, its linear momentum and its angular momentum about its centre of mass are exact to
-/// rounding; without gravity also its spatial momentum. Impulses at both ends of a step close the loops in
-/// positions and velocities (D8.7). A step that does not converge ends the motion. Throws
+/// principle. If only gravity acts on a floating base (a body that a free joint without armature connects to
+/// the ground) and its subtree from outside, its linear momentum and its angular momentum about its centre of
+/// mass are exact to rounding; without gravity also its spatial momentum. Impulses at both ends of a step
+/// close the loops in positions and velocities (D8.7). A step that does not converge ends the motion. Throws
 /// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
 /// finite, until < 0 or step <= 0, other orders, events, elastic stops, rolling contacts, belts, options that
 /// ask for absolute coordinates and, if joint_losses is set, dry friction.
@@ -138,21 +138,21 @@ Trajectory simulate_symplectic(const Model& model, std::span<const double> q, st
 /// has a number that says how exactly. Joints have damping and dry friction if joint_losses is set. Loops are
 /// closed at the ends of steps. The step has impulses at both of its ends, with the midpoint rule for the
 /// free motion in between (D11.12). It is of second order while no contact begins or ends, and of first order
-/// through impacts. Between the impulses, the momenta of a floating base (a root body on a free joint without
-/// armature) and its subtree are exact to rounding if only gravity acts on them. Throws std::invalid_argument
-/// for a wrong size, a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <=
-/// 0, options that ask for absolute coordinates, and collision shapes that contact cannot use, such as a mesh
-/// without a convex hull.
+/// through impacts. Between the impulses, the momenta of a floating base (a body that a free joint without
+/// armature connects to the ground) and its subtree are exact to rounding if only gravity acts on them.
+/// Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
+/// finite, until < 0 or step <= 0, options that ask for absolute coordinates, and collision shapes that
+/// contact cannot use, such as a mesh without a convex hull.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const SimulationOptions& options = {});
 
 /// Integrates configuration and momenta (q, p) with an explicit Runge-Kutta-Munthe-Kaas method. If only
-/// gravity acts on a floating base (a root body on a free joint without armature) and its subtree from
-/// outside, its linear momentum and its angular momentum about its centre of mass are exact to rounding, but
-/// the method is not symplectic. Loops are closed again after each step; rolling contacts are allowed. Throws
-/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
-/// finite, until < 0 or step <= 0, events, elastic stops, options that ask for absolute coordinates and, if
-/// joint_losses is set, dry friction.
+/// gravity acts on a floating base (a body that a free joint without armature connects to the ground) and its
+/// subtree from outside, its linear momentum and its angular momentum about its centre of mass are exact to
+/// rounding, but the method is not symplectic. Loops are closed again after each step; rolling contacts are
+/// allowed. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number
+/// that is not finite, until < 0 or step <= 0, events, elastic stops, options that ask for absolute
+/// coordinates and, if joint_losses is set, dry friction.
 Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const Tableau& method = runge_kutta(4),
                             const SimulationOptions& options = {});

@@ -9,13 +9,13 @@
 
 namespace axode {
 
-/// The floating bases of a mechanism for schemes on (q, p): the root bodies on a free joint without armature,
-/// damping and friction, if no loop connects their subtrees to other bodies and no coupling contains
-/// velocities of the joint. Instead of its joint momentum, a floating base has the state y, the spatial
-/// momentum of its subtree in a moving frame (D5.6, D5.7). The frame does not rotate, but falls with gravity
-/// and, if no wrenches are applied, also moves with the initial velocity of the centre of mass of the
-/// subtree. Hence every scheme keeps the linear momentum, and the angular momentum about the centre of mass,
-/// exact to rounding if no load acts on the mechanism and no drive on a floating base.
+/// The floating bases of a mechanism for schemes on (q, p): the root bodies (bodies joined to the ground) on
+/// a free joint without armature, damping and friction, if no loop connects their subtrees to other bodies
+/// and no coupling contains velocities of the joint. Instead of its joint momentum, a floating base has the
+/// state y, the spatial momentum of its subtree in a moving frame (D5.6, D5.7). The frame does not rotate,
+/// but falls with gravity and, if no wrenches are applied, also moves with the initial velocity of the centre
+/// of mass of the subtree. Hence every scheme keeps the linear momentum, and the angular momentum about the
+/// centre of mass, exact to rounding if no load acts on the mechanism and no drive on a floating base.
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
@@ -64,7 +64,8 @@ class FloatingBases {
       }
     }
   }
-  /// The gravity (m/s²) that acts on each root body and its subtree, indexed by bodies: 0 for floating bases.
+  /// The gravity (m/s²) that acts on each body that is joined to the ground, and on its subtree. It is
+  /// indexed by bodies, and 0 for floating bases.
   std::span<const Vec3<>> gravity() const { return gravity_; }
   /// Calls f(body, constant) for each floating base. `constant` says whether the centre of mass of the base
   /// with its subtree is at rest in the moving frame of the base, which does not rotate and falls with
@@ -151,7 +152,8 @@ class FloatingBases {
         return false;
     return true;
   }
-  /// Whether a loop connects the subtree of root i to other bodies, or a coupling contains a joint of i.
+  /// Whether a loop connects the subtree of body i, which is joined to the ground, to other bodies, or a
+  /// coupling contains a velocity of joint i.
   bool is_connected(const Model& model, int i) const {
     const auto carried = [&](int body) { return body >= i && body < (*tree_)->subtree_end[i]; };
     const auto its = [&](const LoopCoupling::Term& term) {

@@ -19,8 +19,8 @@ class PhaseSpace {
       : tree_(&model.tree<double>()), group_(*tree_), kernels_(model.topology()), own_(size(model)) {}
 
   /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L and the joint forces
-  /// tau; loads and losses are included in f. The rates of the momenta are then p' = f + ad_vᵀ p (D5.2). g[i]
-  /// is the gravity (m/s²) that acts on root body i and its subtree.
+  /// tau; loads and losses are included in f. The rates of the momenta are then p' = f + ad_vᵀ p (D5.2). For
+  /// each body i that is joined to the ground, g[i] is the gravity (m/s²) that acts on its subtree.
   void partials(const double* q, const double* v, std::span<const Vec3<>> g, std::span<const double> tau,
                 const Loads<double>& loads, double* p, double* f) {
     const Tree<double>& tree = *tree_;
