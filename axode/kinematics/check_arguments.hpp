@@ -78,7 +78,7 @@ inline void check_place(const Model& model, int frame) {
                                 "\" has frames 0 to " + std::to_string(model.n_frames() - 1));
 }
 
-/// Returns a place (a frame or a point on a body) with its frame given by number instead of by name. Throws
+/// Returns a place (a frame on a body) with its frame given by number instead of by name. Throws
 /// std::invalid_argument if there is no such frame.
 template <class T> Place<T> found(const Model& model, const Place<T>& place) {
   const int frame = place.name.empty() ? place.frame : model.frame_index(place.name);

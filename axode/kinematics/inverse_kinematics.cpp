@@ -32,7 +32,7 @@ Eigen::Matrix<double, 6, 1> weighted(const PoseTarget& target, const Screw<>& X)
 }
 
 /// A configuration q, its errors with respect to the target poses, and the body-fixed Jacobians of the frames
-/// or points on bodies that have these targets.
+/// on bodies that have these targets.
 struct Iterate {
   std::vector<double> q;
   std::vector<Screw<>> X;  ///< log(C⁻¹ C_target) of each target

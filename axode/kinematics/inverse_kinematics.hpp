@@ -9,9 +9,9 @@
 
 namespace axode {
 
-/// A target pose of a place, which is a frame or a point on a body. With the pose C of the place, the error
-/// is the screw log(C⁻¹ C_target), whose angular part (rad) and linear part (m) are scaled by the weights. A
-/// weight of 0 leaves a part free; if the orientation is free, the error is the distance of the origins.
+/// A target pose of a place, which is a frame on a body. With the pose C of the place, the error is the screw
+/// log(C⁻¹ C_target), whose angular part (rad) and linear part (m) are scaled by the weights. A weight of 0
+/// leaves a part free; if the orientation is free, the error is the distance of the origins.
 struct PoseTarget {
   Place<> place;
   SE3<> pose;
@@ -47,13 +47,13 @@ struct InverseKinematicsResult {
   int restarts = 0;
 };
 
-/// Computes a configuration in which places (frames or points on bodies) have given poses, by the damped
-/// least squares of Levenberg and Marquardt. The error of a place with the pose C is log(C⁻¹ C_target), with
-/// the weights of the target; its derivative by q is -dexp⁻¹ J^b with the body-fixed Jacobian J^b of the
-/// place. The search starts at q0, and then at most options.restarts times at random configurations until the
-/// targets are reached. A joint at a limit that it would cross is held there. If options.posture is given,
-/// the joints then move towards this configuration as far as the targets allow. Allocates. Throws
-/// std::invalid_argument for wrong sizes, unknown frames, and numbers out of range.
+/// Computes a configuration in which places (frames on bodies) have given poses, by the damped least squares
+/// of Levenberg and Marquardt. The error of a place with the pose C is log(C⁻¹ C_target), with the weights of
+/// the target; its derivative by q is -dexp⁻¹ J^b with the body-fixed Jacobian J^b of the place. The search
+/// starts at q0, and then at most options.restarts times at random configurations until the targets are
+/// reached. A joint at a limit that it would cross is held there. If options.posture is given, the joints
+/// then move towards this configuration as far as the targets allow. Allocates. Throws std::invalid_argument
+/// for wrong sizes, unknown frames, and numbers out of range.
 [[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model,
                                                          std::span<const PoseTarget> targets,
                                                          std::span<const double> q0,

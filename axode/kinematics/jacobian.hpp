@@ -2,14 +2,14 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
-/// Jacobians J of places, which are frames or points on bodies: V = J v is the twist of a place at the
-/// velocities v. A dense Jacobian has nv columns, each the twist for a unit of one velocity, and zero if this
-/// does not move the place. A coupled joint moves with the velocity of another joint, its leader, times a
-/// constant ratio. Its screw, times this ratio, is added to the column of the leader.
+/// Jacobians J of places, which are frames on bodies: V = J v is the twist of a place at the velocities v. A
+/// dense Jacobian has nv columns, each the twist for a unit of one velocity, and zero if this does not move
+/// the place. A coupled joint moves with the velocity of another joint, its leader, times a constant ratio.
+/// Its screw, times this ratio, is added to the column of the leader.
 namespace axode {
 
-/// Computes the Jacobian of a place (a frame or a point on a body), nv columns (eqs. JbX, JsX, Jh, JhJb).
-/// O(path length) for the path to the ground, and O(nv) to clear the other columns.
+/// Computes the Jacobian of a place (a frame on a body), nv columns (eqs. JbX, JsX, Jh, JhJb). O(path length)
+/// for the path to the ground, and O(nv) to clear the other columns.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);
@@ -19,8 +19,8 @@ void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<Twist<Rep, T>>> J);
-/// The Jacobians of several places (frames or points on bodies), with nv columns for each place, in the order
-/// of the places.
+/// The Jacobians of several places (frames on bodies), with nv columns for each place, in the order of the
+/// places.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<const Place<T>>> places,
@@ -31,17 +31,17 @@ template <RecursionRepresentation Rep, class T = double> struct JacobianColumn {
   int c;
   Twist<Rep, T> J;
 };
-/// Writes the columns of the Jacobian of a place (a frame or a point on a body) only for joints on the path
-/// from the place to the ground, and returns the number of columns. If joints are coupled, several columns
-/// may have the same velocity c; the Jacobian's column c is their sum. O(path length). Throws
-/// std::invalid_argument if `columns` is too short.
+/// Writes the columns of the Jacobian of a place (a frame on a body) only for joints on the path from the
+/// place to the ground, and returns the number of columns. If joints are coupled, several columns may have
+/// the same velocity c; the Jacobian's column c is their sum. O(path length). Throws std::invalid_argument if
+/// `columns` is too short.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<JacobianColumn<Rep, T>>> columns);
 
-/// The Jacobian (nv columns) of the motion of one place (a frame or a point on a body) relative to another
-/// one, `base`, which replaces the inertial frame in the definition of the representation Rep.
+/// The Jacobian (nv columns) of the motion of one place (a frame on a body) relative to another one, `base`,
+/// which replaces the inertial frame in the definition of the representation Rep.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place,

@@ -6,8 +6,9 @@
 
 namespace axode {
 
-/// A place, which is a frame or a point on a body: a frame of the model, given by number or by name, or a
-/// point or pose in that frame. A name is looked up at every call and must live as long as the Place.
+/// A place, that is a frame on a body: a frame of the model, given by number or by name, or a frame with a
+/// pose relative to it. If only a point is given, the place has its origin there and the axes of the frame of
+/// the model. A name is looked up at every call and must live as long as the Place.
 template <class T = double> struct Place {
   int frame = 0;
   SE3<T> offset;

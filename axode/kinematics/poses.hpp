@@ -9,7 +9,7 @@ namespace axode {
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C);
-/// The poses of places (frames or points on bodies) in the inertial frame, in the order of the places. O(n).
+/// The poses of places (frames on bodies) in the inertial frame, in the order of the places. O(n).
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<const Place<T>>> places, std::type_identity_t<std::span<SE3<T>>> C);

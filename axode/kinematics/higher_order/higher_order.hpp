@@ -28,14 +28,12 @@ template <class T = double> class AXODE_ENTRY HigherOrderMotion {
   /// row, in the joints' left-trivialised directions. O(n order²).
   void evaluate(Numbers<T> q, Numbers<T> rates);
 
-  /// The k-th time derivative, k = 0 to `order`, of the components of the twist of a place (a frame or a
-  /// point on a body). Jerk and snap of a point are the linear parts of the hybrid derivatives for k = 2 and
-  /// 3.
+  /// The k-th time derivative, k = 0 to `order`, of the components of the twist of a place (a frame on a
+  /// body). Jerk and snap of a point are the linear parts of the hybrid derivatives for k = 2 and 3.
   template <RecursionRepresentation Rep = BodyFixed>
   TwistRate<Rep, T> twist_derivative(const Place<T>& place, int k) const;
 
-  /// The k-th time derivative (0 to `order`) of the Jacobian, nv columns, of a place (a frame or a point on a
-  /// body).
+  /// The k-th time derivative (0 to `order`) of the Jacobian, nv columns, of a place (a frame on a body).
   template <RecursionRepresentation Rep = BodyFixed>
   void jacobian_derivative(const Place<T>& place, int k, std::span<TwistRate<Rep, T>> J) const;
 

@@ -12,27 +12,27 @@ namespace axode {
 [[deprecated("jacobian_partials() has no largest order")]]  //
 inline constexpr int largest_partial_order = 12;
 
-/// The partial derivatives of any order ν >= 0 of the Jacobian J of a place (a frame or a point on a body),
-/// as a dense tensor of nv^(ν + 1) columns. Column ((αν nv + ...) nv + α1) nv + j is ∂^ν J_j / ∂q_αν ...
-/// ∂q_α1, the derivative of the column J_j of velocity j along α1 first. The order of derivatives matters
-/// only between directions of one spherical, planar or free joint. Body-fixed: Müller's eqs. der1, der2Jb,
-/// nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: (D15.4) of docs/derivations.
-/// Müller's eq. Jhder, the first derivative ∂J_j/∂q_k in the hybrid representation, is completed by the case
-/// k < j, in which joint k is between joint j and the ground (errata 6 to 12). O(ν m^(ν + 1)) for m joint
-/// screws between the place and the ground. If the caller's function should_continue() returns false, the
-/// call ends early and the tensor is not complete.
+/// The partial derivatives of any order ν >= 0 of the Jacobian J of a place (a frame on a body), as a dense
+/// tensor of nv^(ν + 1) columns. Column ((αν nv + ...) nv + α1) nv + j is ∂^ν J_j / ∂q_αν ... ∂q_α1, the
+/// derivative of the column J_j of velocity j along α1 first. The order of derivatives matters only between
+/// directions of one spherical, planar or free joint. Body-fixed: Müller's eqs. der1, der2Jb, nthorderBody;
+/// spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: (D15.4) of docs/derivations. Müller's eq. Jhder,
+/// the first derivative ∂J_j/∂q_k in the hybrid representation, is completed by the case k < j, in which
+/// joint k is between joint j and the ground (errata 6 to 12). O(ν m^(ν + 1)) for m joint screws between the
+/// place and the ground. If the caller's function should_continue() returns false, the call ends early and
+/// the tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
                        std::type_identity_t<std::span<Twist<Rep, T>>> J,
                        const std::function<bool()>& should_continue = {});
 
-/// The directional derivative D_uν ... D_u1 J of the Jacobian of a place (a frame or a point on a body), nv
-/// columns: the tensor of its partial derivatives of order ν contracted with one direction u for each
-/// derivative. `directions` has ν >= 0 rows of nv numbers, the innermost direction u1 first. Consecutive
-/// directions that are equal form a run. For m joint screws between the place and the ground and R runs of
-/// k_1, ..., k_R directions, the cost is O(m Π (k_r + 1)(k_r + 2)/2) screw products, and (m + R) Π (k_r + 1)
-/// screws are allocated. Throws std::invalid_argument for a number of screws that no memory can hold.
+/// The directional derivative D_uν ... D_u1 J of the Jacobian of a place (a frame on a body), nv columns: the
+/// tensor of its partial derivatives of order ν contracted with one direction u for each derivative.
+/// `directions` has ν >= 0 rows of nv numbers, the innermost direction u1 first. Consecutive directions that
+/// are equal form a run. For m joint screws between the place and the ground and R runs of k_1, ..., k_R
+/// directions, the cost is O(m Π (k_r + 1)(k_r + 2)/2) screw products, and (m + R) Π (k_r + 1) screws are
+/// allocated. Throws std::invalid_argument for a number of screws that no memory can hold.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,

@@ -81,8 +81,8 @@ template <class T> class MotionSeries {
   std::vector<T> v_;
 };
 
-/// The pose (R, r) of a place, a frame or a point on a body, as power series in time: R' = ω̃ R and r' = v^s
-/// + ω × r with the spatial twist (ω; v^s) of the body.
+/// The pose (R, r) of a place, a frame on a body, as power series in time: R' = ω̃ R and r' = v^s + ω × r
+/// with the spatial twist (ω; v^s) of the body.
 template <class T> class PoseSeries {
  public:
   explicit PoseSeries(int order) : r_(order + 2), R_(order + 2) {}
@@ -103,8 +103,8 @@ template <class T> class PoseSeries {
       R_[k + 1] = {scale * R.x, scale * R.y, scale * R.z};
     }
   }
-  /// Coefficient k of the power series in time of the pose (R, r) of a frame or point on a body: axes(k) is
-  /// that of the rotation R, and origin(k) that of the position r.
+  /// Coefficient k of the power series in time of the pose (R, r) of a frame on a body: axes(k) is that of
+  /// the rotation R, and origin(k) that of the position r.
   const SO3<T>& axes(int k) const { return R_[k]; }
   const Vec3<T>& origin(int k) const { return r_[k]; }
 

@@ -9,12 +9,11 @@
 #include "axode/kinematics/path.hpp"
 
 /// Closed forms of the partial derivatives of the joint screws on the path from the ground to a place, which
-/// is a frame or a point on a body.
+/// is a frame on a body.
 namespace axode {
 
-/// A joint screw on the path from the ground to a place (a frame or a point on a body): the index of its
-/// joint, the index c of its velocity, and the screw in body-fixed, spatial and hybrid representation at the
-/// place.
+/// A joint screw on the path from the ground to a place (a frame on a body): the index of its joint, the
+/// index c of its velocity, and the screw in body-fixed, spatial and hybrid representation at the place.
 template <class T> struct PathScrew {
   int joint;
   int c;
@@ -23,11 +22,11 @@ template <class T> struct PathScrew {
   Screw<T> hybrid;      ///< hybrid screw J_{f,c}^h; its linear part is ∂r/∂q_c of the position r
 };
 
-/// The joint screws on the path from the ground to a place (a frame or a point on a body), from the root
-/// outwards, and the pose of the place.
+/// The joint screws on the path from the ground to a place (a frame on a body), from the ground outwards, and
+/// the pose of the place.
 template <class T> struct ScrewPath {
   std::vector<PathScrew<T>> screws;
-  SE3<T> C;  ///< pose of the frame or point to which the path leads
+  SE3<T> C;  ///< pose of the frame to which the path leads
 
   ScrewPath(const Tree<T>& tree, const T* q, const Place<T>& place) {
     C = each_body_fixed_column(tree, q, place, [&](int i, int c, const Screw<T>& X) {
@@ -43,10 +42,10 @@ template <class T> struct ScrewPath {
 };
 
 /// The partial derivatives, of any order ν, of the joint screws on the path from the ground to a place (a
-/// frame or a point on a body) with respect to the joint coordinates, along left-trivialised directions. They
-/// are nested brackets of joint screws in the body-fixed and the spatial representation (Müller, eqs.
-/// nthorderBody and nthorder), and nested vector products in the hybrid and the mixed one ((D15.1) to (D15.4)
-/// of docs/derivations). A multi-index α has ν indices into path.screws; the derivative along α[0] is taken
+/// frame on a body) with respect to the joint coordinates, along left-trivialised directions. They are nested
+/// brackets of joint screws in the body-fixed and the spatial representation (Müller, eqs. nthorderBody and
+/// nthorder), and nested vector products in the hybrid and the mixed one ((D15.1) to (D15.4) of
+/// docs/derivations). A multi-index α has ν indices into path.screws; the derivative along α[0] is taken
 /// first. The constructor allocates, the other functions do not.
 template <class Rep, class T> class ScrewPartials {
  public:
@@ -97,8 +96,8 @@ template <class Rep, class T> class ScrewPartials {
       }
     }
   }
-  /// Sorts the directions alpha_, which are indices of joint screws, into chain_: from the root outwards, and
-  /// directions of the same joint in the reverse order of alpha_.
+  /// Sorts the directions alpha_, which are indices of joint screws, into chain_: from the ground outwards,
+  /// and directions of the same joint in the reverse order of alpha_.
   void sort() {
     std::size_t n = 0;
     for (std::size_t k = alpha_.size(); k-- > 0; ++n) {
@@ -141,8 +140,8 @@ template <class Rep, class T> class ScrewPartials {
     while (n-- > 0) x = cross(screw(chain_[n]).hybrid.w, x);
     return x;
   }
-  /// Computes, for each k, the derivative of the position of the place (a frame or a point on a body, to
-  /// which the path of joint screws leads) along the directions of chain_ from k on.
+  /// Computes, for each k, the derivative of the position of the place (a frame on a body, to which the path
+  /// of joint screws leads) along the directions of chain_ from k on.
   void put_tails() {
     for (std::size_t k = chain_.size(); k-- > 0;) {
       const Screw<T>& J = screw(chain_[k]).hybrid;
@@ -150,9 +149,9 @@ template <class Rep, class T> class ScrewPartials {
     }
   }
   /// The linear part of the partial derivative of the hybrid screw a along the directions in chain_, which
-  /// are joint screws of the path to a place (a frame or a point on a body). It is the derivative of the
-  /// position of the place along screw a and along each of these directions (D15.4). `inward` is the number
-  /// of directions that belong to the joint of screw a or to joints between it and the root.
+  /// are joint screws of the path to a place (a frame on a body). It is the derivative of the position of the
+  /// place along screw a and along each of these directions (D15.4). `inward` is the number of directions
+  /// that belong to the joint of screw a or to joints between it and the ground.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -160,14 +159,14 @@ template <class Rep, class T> class ScrewPartials {
 
   const std::vector<PathScrew<T>>& screws_;
   std::vector<int> alpha_;      ///< indices of screws; alpha_[0] acts first
-  std::vector<int> chain_;      ///< alpha_ sorted from the root outwards, see sort()
+  std::vector<int> chain_;      ///< alpha_ sorted from the ground outwards, see sort()
   std::vector<Vec3<T>> tails_;  ///< derivative of r along (βk, ..., βν), for each k
 };
 
-/// Derivatives of the joint screws J_c on the path to a place (a frame or a point on a body) with respect to
-/// q, along several directions u_s one after the other. D_S X is the derivative of X along all directions u_s
-/// with s in the set S. The derivative along one direction u is D_u J_c = [W_i(u), J_c], where i is the body
-/// that J_c moves, and W_i(u) is its twist for the joint velocities u. The product rule gives
+/// Derivatives of the joint screws J_c on the path to a place (a frame on a body) with respect to q, along
+/// several directions u_s one after the other. D_S X is the derivative of X along all directions u_s with s
+/// in the set S. The derivative along one direction u is D_u J_c = [W_i(u), J_c], where i is the body that
+/// J_c moves, and W_i(u) is its twist for the joint velocities u. The product rule gives
 ///
 ///   D_S J_c = Σ_{A ⊆ S∖s} [D_A W_i(u_s), D_{S∖s∖A} J_c],  s the lowest index in S.
 ///
@@ -209,7 +208,7 @@ template <class T> class DirectionalDerivatives {
   }
 
   /// The derivative of joint screw c of the path along all directions, in the representation Rep at the frame
-  /// or point on a body to which the path leads.
+  /// on a body to which the path leads.
   template <class Rep> Screw<T> of(int c) const {
     const std::size_t S = parts_ - 1, a = static_cast<std::size_t>(c);
     if constexpr (std::same_as<Rep, Spatial>) return J(a, S);
@@ -285,9 +284,9 @@ template <class T> class DirectionalDerivatives {
           W_[s * parts_ + S] = W_[s * parts_ + S] + runs_[s].u[path_.screws[c].c] * J(c, S);
     }
   }
-  /// Differentiates the position r and the transposed rotation Rᵀ of the frame or point on a body to which
-  /// the path leads: D_u r = v + w × r and D_u Rᵀ = -Rᵀ w̃. Here (w; v) = W(u) is the spatial twist of this
-  /// body for the joint velocities u.
+  /// Differentiates the position r and the transposed rotation Rᵀ of the frame on a body to which the path
+  /// leads: D_u r = v + w × r and D_u Rᵀ = -Rᵀ w̃. Here (w; v) = W(u) is the spatial twist of this body for
+  /// the joint velocities u.
   void pose() {
     r_[0] = path_.C.r;
     Rt_[0] = transpose(path_.C.R);
