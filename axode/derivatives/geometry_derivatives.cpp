@@ -11,10 +11,10 @@ template <class T> std::size_t parameters(const Model& model) {
   return static_cast<std::size_t>(model.n_bodies()) * 6;
 }
 
-/// Calls f(i, u, screw) for all geometric parameters that displace a place (a frame or a point on a body).
-/// Parameter u of body i displaces the joint of body i and its subtree along unit screw u of the frame that
-/// body i has while its joint is at zero. `screw` is this screw, expressed in the frame of the place. O(d) on
-/// a path of d bodies.
+/// Calls f(i, u, screw) for all geometric parameters that displace a place (a frame on a body). Parameter u
+/// of body i displaces the joint of body i and its subtree along unit screw u of the frame that body i has
+/// while its joint is at zero. `screw` is this screw, expressed in the frame of the place. O(d) on a path of
+/// d bodies.
 template <class T, class F>
 void each_parameter(const Tree<T>& tree, const T* q, const Place<T>& place, const F& f) noexcept {
   SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the internal frame of body i

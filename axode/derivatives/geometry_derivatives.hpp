@@ -51,17 +51,17 @@ Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& work
                                           std::type_identity_t<std::span<T>> gradient,
                                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes how each geometric parameter π displaces a place, that is a frame or a point on a body: the
-/// body-fixed twists C⁻¹ ∂C/∂π of its pose C, 6 × n_bodies × 6 numbers, [component, body - 1, parameter]. The
-/// six geometric parameters π of a body displace its joint and its subtree relative to the predecessor, along
-/// the unit screws of the frame that the body has while its joint is at zero. The twists are 0 unless the
-/// place is in the subtree of the body. O(d) on a path of d bodies, and the time to write the zeros.
+/// Computes how each geometric parameter π displaces a place, that is a frame on a body: the body-fixed
+/// twists C⁻¹ ∂C/∂π of its pose C, 6 × n_bodies × 6 numbers, [component, body - 1, parameter]. The six
+/// geometric parameters π of a body displace its joint and its subtree relative to the predecessor, along the
+/// unit screws of the frame that the body has while its joint is at zero. The twists are 0 unless the place
+/// is in the subtree of the body. O(d) on a path of d bodies, and the time to write the zeros.
 template <class T>
 void frame_geometry_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<T>> J);
-/// Computes the derivatives of the body-fixed Jacobian of a place, that is a frame or a point on a body, by
-/// the geometric parameters π: n_bodies × 6 × nv twists, [body - 1, parameter, velocity]. The six geometric
+/// Computes the derivatives of the body-fixed Jacobian of a place, that is a frame on a body, by the
+/// geometric parameters π: n_bodies × 6 × nv twists, [body - 1, parameter, velocity]. The six geometric
 /// parameters π of a body displace its joint and its subtree relative to the predecessor, along the unit
 /// screws of the frame that the body has while its joint is at zero. O(d²) on a path of d velocities, and the
 /// time to write the zeros.

@@ -29,15 +29,15 @@ template <class Rep, class T> Twist<Rep, T> derivative(const Vec3<Dual1<T>>& w, 
 
 template <class T> using V6 = Twist<BodyFixed, T>;
 
-/// The motion of a place (a frame or a point on a body): its pose C, its body-fixed twist V, and the time
-/// derivative dV of this twist.
+/// The motion of a place (a frame on a body): its pose C, its body-fixed twist V, and the time derivative dV
+/// of this twist.
 template <class T> struct MovingPlace {
   SE3<T> C;
   V6<T> V, dV;
 
-  /// Converts changes of the motion of a frame or point on a body to the representation Rep. X is the
-  /// body-fixed displacement of its pose C, which becomes C exp(ε X^). by_V and by_dV are the changes of the
-  /// body-fixed components of the twist V and of their time derivative V'.
+  /// Converts changes of the motion of a frame on a body to the representation Rep. X is the body-fixed
+  /// displacement of its pose C, which becomes C exp(ε X^). by_V and by_dV are the changes of the body-fixed
+  /// components of the twist V and of their time derivative V'.
   template <class Rep> MotionChange<Rep, T> in(const V6<T>& X, const V6<T>& by_V, const V6<T>& by_dV) const {
     if constexpr (std::same_as<Rep, BodyFixed>) {
       return {X, by_V, by_dV};
@@ -53,7 +53,7 @@ template <class T> struct MovingPlace {
   }
 };
 
-/// The motion of a place (a frame or a point on a body) and of all bodies, in body-fixed components.
+/// The motion of a place (a frame on a body) and of all bodies, in body-fixed components.
 template <class T> struct MotionTo {
   const Tree<T>& tree;
   TreeMotion<BodyFixed, T> motion;
@@ -71,9 +71,9 @@ template <class T> struct MotionTo {
     for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
   }
 
-  /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place (a frame or a point on
-  /// a body). V is the twist of the place, and the derivatives are those along the direction of velocity c,
-  /// to which J belongs, as body-fixed twists. Coupled joints have the same c.
+  /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place (a frame on a body). V
+  /// is the twist of the place, and the derivatives are those along the direction of velocity c, to which J
+  /// belongs, as body-fixed twists. Coupled joints have the same c.
   template <class F> void each_column(const F& f) const noexcept {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i

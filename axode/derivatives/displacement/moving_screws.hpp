@@ -239,7 +239,8 @@ template <class T> struct MovingScrews {
     return in_lanes([&](int l) { return body_of[std::min(c + l, n_columns - 1)]; });
   }
   MovingInertia<T> subtree_of_column(int c) const { return MovingInertia<T>::from(moved.row(body_of[c])); }
-  /// The pose of body i in inertial axes, relative to the origin of the root body of its branch.
+  /// The pose of body i in inertial axes, relative to the origin of the root body, which is the first body on
+  /// the path from the ground to body i.
   SE3<T> pose(int i) const {
     return {{bodies.get3(i, OfBody::R_x), bodies.get3(i, OfBody::R_y), bodies.get3(i, OfBody::R_z)},
             bodies.get3(i, OfBody::r)};

@@ -90,10 +90,9 @@ template <class T> struct EnergyGradient {
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
-/// The columns of the body-fixed Jacobian of a place (a frame of the model, or a point or pose in such a
-/// frame): the screws of all joints between the ground and the place, beginning with the joint of the body
-/// that carries the place. They are about the origin of the place and in its axes. The axes of a point are
-/// those of the frame in which it is given.
+/// The columns of the body-fixed Jacobian of a place (a frame on a body): the screws of all joints between
+/// the ground and the place, beginning with the joint of the body that carries the place. They are about the
+/// origin of the place and in its axes.
 template <class T> struct CarryingScrews {
   struct Column {
     int j, c;  ///< indices of body and velocity
