@@ -11,8 +11,8 @@ namespace axode {
 /// Composite inertias are about the origins of the bodies. Joint screws S are about the origin of the root
 /// body, and so are the impulses F that give the subtrees of the joints, with all other joints locked, the
 /// twists S. If joint j is in the subtree of joint i, M_ij = S_i | F_j without armatures. As the velocities
-/// of a subtree are consecutive, a row of M is the product of one screw and consecutive entries of F. The
-/// screws of a root body on a free joint are the unit vectors.
+/// of a subtree are consecutive, a row of M is the product of one screw and consecutive entries of F. If the
+/// root body is on a free joint, its screws are the unit vectors.
 template <class T> struct FastCompositeBodies {
   using L = Lanes<T>;
   using Number = typename L::Number;

@@ -11,7 +11,8 @@ namespace axode {
 /// that the joint moves, a column in hybrid representation is
 ///   J_c^h = (ω; v + ω × (r_f - r)).
 /// It takes 15 products and sums, and 30 more in body-fixed representation. Except in spatial representation,
-/// positions are relative to the root body, so that no digits are lost far from the inertial origin.
+/// positions are relative to the root body (the first body on the path from the ground), so that no digits
+/// are lost far from the inertial origin.
 template <class T, class G = typename FastGeometry<T>::type> struct FastJacobians {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;

@@ -43,7 +43,8 @@ template <class T> struct FastLagrangian {
         C(arena),
         W_app(arena.per_body<Wrench<BodyFixed, T>>()) {}
 
-  /// Writes p and f (nv numbers each). g[i] is the gravity (m/s²) on root body i and its subtree.
+  /// Writes p and f (nv numbers each). g[i] is the gravity (m/s²) on the subtree of body i, for bodies i that
+  /// are joined to the ground.
   void run(const Tree<T>& tree, const T* q, const T* v, std::span<const Vec3<T>> g,
            std::span<const AppliedWrench<T>> wrenches, T* p, T* f) noexcept {
     forward(tree, q, v, g);

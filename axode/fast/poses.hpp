@@ -43,7 +43,7 @@ template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hing
 /// The rotation R of a body, which takes coordinates in the body frame to some common axes, mostly the
 /// inertial ones, and the vector r to the origin of the body in these axes. The vector r begins at the origin
 /// of the predecessor in the result of place(), and elsewhere at the origin of the inertial frame or of the
-/// root body.
+/// root body (the first body on the path from the ground).
 template <class G> struct Placed {
   typename G::Matrix R;
   typename G::Vector r;
