@@ -47,9 +47,9 @@ struct Topology {
   /// nv: velocities c to velocity_end[c] - 1 (without couplings) are in the subtree that velocity c moves.
   std::vector<int> velocity_end;
   /// Size nv: the parent of each velocity in the elimination tree of the mass matrix M = LᵀDL, from which
-  /// velocities are eliminated from the last to the first; -1 for a root. Row c of L is non-zero only in the
-  /// columns velocity_parent[c], the parent of that velocity, and so on. Without couplings the parent is the
-  /// preceding velocity on the path to the ground.
+  /// velocities are eliminated from the last to the first; -1 for a root of this tree. Row c of L is non-zero
+  /// only in the columns velocity_parent[c], the parent of that velocity, and so on. Without couplings the
+  /// parent is the preceding velocity on the path to the ground.
   std::vector<int> velocity_parent;
 
   /// Data for the elimination of velocities that several coupled joints share, in a sweep from the leaves to

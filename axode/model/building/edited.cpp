@@ -260,9 +260,9 @@ void check_may_be_reversed(const JointDescription& joint, bool base) {
         "remove them first");
 }
 
-/// Leaves out, with a warning, the initial state of joints whose coordinates change when the root changes.
-/// These are the joints with several velocities on the path from the new root to the old one, and the joint
-/// `held` of the old root if it is free.
+/// Leaves out, with a warning, the initial state of joints whose coordinates change when another body becomes
+/// the root body, which is joined to the ground. These are the joints with several velocities on the path
+/// from the new root body to the old one, and the joint `held` of the old root body if it is free.
 void drop_reversed_state(Description& description, const std::vector<std::size_t>& path,
                          const JointDescription& held) {
   std::unordered_set<std::string> reversed;
@@ -285,7 +285,7 @@ Model rerooted(const Model& model, std::string_view body) {
     throw std::invalid_argument(
         "body \"" + std::string(body) + "\" is not described" +
         did_you_mean(body, description.bodies, [](const BodyDescription& it) { return it.name; }));
-  std::vector<std::size_t> path;  // from the body to its root
+  std::vector<std::size_t> path;  // from the body to its root body
   for (int d = static_cast<int>(named - description.bodies.begin()); d >= 0; d = order.predecessor[d])
     path.push_back(static_cast<std::size_t>(d));
   const JointDescription held = description.bodies[path.back()].joint;

@@ -41,22 +41,24 @@ Model with_payload(const Model& model, std::string_view frame, const Inertia<>& 
 Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix = "",
              const JointDescription& joint = {});
 
-/// The mechanism with another body as its root. The new root body gets a joint on the ground with the name
-/// and kind (fixed or free) of the joint of the old root body, and the joints on the path between the two
-/// bodies are reversed. All bodies, frames, loops and springs keep their names, and with all joints at zero
-/// all bodies have the same poses as before.
+/// The mechanism with another body as its root body, which is the body that is joined to the ground. The new
+/// root body gets a joint on the ground with the name and kind (fixed or free) of the joint of the old root
+/// body, and the joints on the path between the two bodies are reversed. All bodies, frames, loops and
+/// springs keep their names, and with all joints at zero all bodies have the same poses as before.
 ///
 /// A reversed joint of one velocity keeps its q, v, a and τ, limits, losses and couplings. For a reversed
 /// spherical, planar or free joint, the pose C of its second joint frame in its first one becomes C' = C⁻¹,
-/// its velocity v becomes v' = -Ad_C v, and the new forces τ' follow from τ = -Ad_Cᵀ τ'. A free root has the
-/// pose and twist of the new root body as coordinates and velocities. The initial state of joints whose
-/// coordinates change is left out with a warning. If the root is free and its joint has no drive force, the
-/// mechanism moves as before; if it is fixed, the new root body is held instead of the old one.
+/// its velocity v becomes v' = -Ad_C v, and the new forces τ' follow from τ = -Ad_Cᵀ τ'. If the joint on the
+/// ground is free, its coordinates and velocities are the pose and twist of the new root body. The initial
+/// state of joints whose coordinates change is left out with a warning. If the joint on the ground is free
+/// and has no drive force, the mechanism moves as before; if it is fixed, the new root body is held instead
+/// of the old one.
 ///
 /// Throws std::invalid_argument for an unknown body, and for an old root body whose joint is neither fixed
 /// nor free. Also throws std::invalid_argument if a joint of several velocities on the path or at the old
-/// root has limits, losses, springs or armatures, because these act along axes of the body that the joint
-/// moves. Springs, damping and armatures of a spherical joint that are equal about all axes are allowed.
+/// root body has limits, losses, springs or armatures, because these act along axes of the body that the
+/// joint moves. Springs, damping and armatures of a spherical joint that are equal about all axes are
+/// allowed.
 Model rerooted(const Model& model, std::string_view body);
 
 }  // namespace axode
