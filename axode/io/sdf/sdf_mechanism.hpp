@@ -81,8 +81,8 @@ class SdfMechanism : protected XmlReader {
 
   /// Converts the poses of shapes that are relative to other frames into poses in the frames of their links.
   void finish_shapes();
-  /// Adds bodies (first the roots of the spanning tree, then in the order of their joints), loops, couplings
-  /// and named frames to the description.
+  /// Adds bodies (first the root links, to which no joint of the spanning tree leads, then in the order of
+  /// their joints), loops, couplings and named frames to the description.
   void assemble();
 
   SdfFrames frames_;

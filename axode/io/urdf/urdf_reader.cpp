@@ -407,7 +407,8 @@ class UrdfReader : XmlReader {
     for (BodyDescription& body : children) description().bodies.push_back(std::move(body));
   }
 
-  /// Adds the root links, which are fixed to the ground; one with the name `ground` is the ground itself.
+  /// Adds the root links, which are no child of a joint and are fixed to the ground; one with the name
+  /// `ground` is the ground itself.
   void add_roots() {
     const bool name_is_free = std::none_of(connections_.begin(), connections_.end(),
                                            [&](const Connection& c) { return c.name == "fixed_base"; });
