@@ -18,7 +18,7 @@ struct HydraulicCylinder {
   double V_a, V_b;          ///< dead volumes, m³
   double beta;              ///< bulk modulus of the oil, Pa
   double C_i = 0, C_e = 0;  ///< leakages across the piston and to the outside, m³/(s Pa)
-  double K_v;               ///< flow of the open valve over the root of the pressure, m³/(s √Pa)
+  double K_v;               ///< flow of the open valve over the square root of the pressure, m³/(s √Pa)
   double p_smooth;          ///< pressure below which flows become proportional to pressures, Pa
   double p_supply, p_tank;  ///< pressures of supply and tank, Pa
   double T_v;               ///< time constant of the valve, s
