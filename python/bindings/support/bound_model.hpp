@@ -59,8 +59,8 @@ struct FrameName {
   int in(const Model& model, const char* argument = "frame") const;
 };
 
-/// Returns a Place (a frame or a point on a body): the given frame if `offset` is None, or the point (3,) or
-/// pose (4, 4) `offset` in this frame.
+/// Returns a Place (a frame on a body): the given frame, displaced in it by `offset`, a pose (4, 4) or the
+/// position (3,) of the origin, unless `offset` is None.
 Place<> place(const Model& model, FrameName frame, ArrayLike offset, const char* argument = "frame");
 
 }  // namespace axode::python
