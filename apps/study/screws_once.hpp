@@ -3,8 +3,8 @@
 
 namespace axode::command {
 
-/// The point about which spatial twists are: the origins of the root bodies, as in the library, or the
-/// inertial origin, as in A. Müller's paper (see docs/notation.md).
+/// The point about which spatial twists are: the origins of the root bodies (bodies joined to the ground), as
+/// in the library, or the inertial origin, as in A. Müller's paper (see docs/notation.md).
 enum class SpatialOrigin { of_roots, inertial };
 
 /// Inverse dynamics as in sections 4.2 and 4.3 of A. Müller's paper (see docs/notation.md): each joint screw
