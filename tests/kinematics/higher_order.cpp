@@ -222,7 +222,7 @@ TEST_P(HigherOrder, InSinglePrecisionAgreesToItsDigits) {
 
 // ----------------------------------------------------------------------------- explicit formulas of the jerk
 
-/// A joint screw on the path to a body. The path goes from the root outwards.
+/// A joint screw on the path to a body. The path goes from the ground outwards.
 struct Column {
   int joint, c;
   double ratio;

@@ -244,8 +244,9 @@ JointState in_coordinates_of(const Model& to, const Model& from, const std::vect
   return joint_state(to, C_to, V_to, near);
 }
 
-/// A random tree with one root, which is free or fixed. Joints with several velocities have no limits,
-/// springs or losses along single axes, because these axes would depend on the direction of the joint.
+/// A random tree with one body joined to the ground, which is free or fixed. Joints with several velocities
+/// have no limits, springs or losses along single axes, because these axes would depend on the direction of
+/// the joint.
 Model tree_to_reroot(Random<double>& random, bool free) {
   Description tree = described(
       random_mechanism(random, {.most_bodies = 12, .always_mass = true, .one_free_root = true}), random);

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 constexpr MassProperties ball{.mass = 1, .com = {0.1, 0, 0}, .Theta = {1, 1, 1, 0, 0, 0}};
 
-/// A hinge, a ball joint and a slider in a chain, on a root that is fixed or free.
+/// A hinge, a ball joint and a slider in a chain, on a root body that is fixed to the ground or free.
 Description chain(JointKind root = JointKind::fixed) {
   return {.name = "chain",
           .bodies = {{.name = "base", .joint = {.name = "mount", .kind = root}, .inertia = ball},

@@ -43,8 +43,8 @@ inline BodyDescription random_body(Random<double>& random, int number, std::stri
           .inertia = mass_properties(random.inertia())};
 }
 
-/// A random tree with several roots. Each body is on an earlier one or on the ground, and its joint has one
-/// of these kinds.
+/// A random tree with several bodies joined to the ground. Each body is on an earlier one or on the ground,
+/// and its joint has one of these kinds.
 template <class Kinds> Description random_tree(Random<double>& random, int n, const Kinds& kinds) {
   Description tree{.name = "random tree", .gravity = random.vector(10)};
   for (int i = 0; i < n; ++i) {

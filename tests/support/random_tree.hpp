@@ -67,7 +67,8 @@ struct TreeRecipe {
 
 bool has_one_velocity(JointKind kind);
 
-/// Draws a mechanism with all kinds of joints, several roots, massless bodies, frames and drives.
+/// Draws a mechanism with all kinds of joints, several bodies joined to the ground, massless bodies, frames
+/// and drives.
 Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe = {});
 
 /// The mechanism after the whole scene, with ground and gravity, was displaced by D.
