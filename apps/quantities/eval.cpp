@@ -184,8 +184,8 @@ Json as_json(const Question& ask, const std::string& representation, const Json&
   return out;
 }
 
-/// Returns a warning if a loop is open at the state, which functions for closed loops do not see. `place`
-/// names the state. Throws InputError instead if warnings are errors.
+/// Returns a warning if a loop is open at the state: functions that assume closed loops do not notice it.
+/// `place` names the state. Throws InputError instead if warnings are errors.
 std::optional<std::string> warning_of_loops(const Question& ask, const Options& options,
                                             const std::string& place = {}) {
   std::optional<std::string> open = open_loop(ask.model, ask.state);
