@@ -81,13 +81,15 @@ std::optional<bool> linear_part(std::string_view name) {
   return std::nullopt;
 }
 
-/// Removes a velocity's name from the front of a curve's name and returns its index; empty if none.
+/// Removes a velocity's name, and the space behind it, from the front of a curve's name and returns the
+/// velocity's index; empty if no velocity's name is there.
 std::optional<std::size_t> take_velocity(std::string_view& name, const std::vector<std::string>& velocities) {
   std::optional<std::size_t> found;
   for (std::size_t k = 0; k < velocities.size(); ++k)
-    if (name.starts_with(velocities[k] + " ") && (!found || velocities[k].size() > velocities[*found].size()))
+    if ((name == velocities[k] || name.starts_with(velocities[k] + " ")) &&
+        (!found || velocities[k].size() > velocities[*found].size()))
       found = k;
-  if (found) name.remove_prefix(velocities[*found].size() + 1);
+  if (found) name.remove_prefix(std::min(velocities[*found].size() + 1, name.size()));
   return found;
 }
 
@@ -152,6 +154,7 @@ std::vector<Panel> panels_by_unit(const Model& model, const std::string& quantit
     }
     if (name.empty() || lengths >= each.size()) return units;
     curve.name = name + std::string(rest);
+    if (rest.empty()) curve.name.pop_back();  // the space behind the last velocity
     return each[lengths];
   };
   std::vector<Panel> panels;

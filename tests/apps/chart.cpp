@@ -15,6 +15,7 @@ namespace axode::test {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using testing::AllOf;
 using testing::Contains;
 using testing::Each;
 using testing::HasSubstr;
@@ -436,6 +437,23 @@ TEST(Sweep, ShowsWhereNumbersAreSmallestAndLargest) {
   EXPECT_EQ(shown.code, 0) << shown.err;
   EXPECT_THAT(shown.out, StartsWith("double pendulum: 3 states, numbered from 0 to 2\n"));
   EXPECT_THAT(shown.out, testing::ContainsRegex("smallest +at state +largest +at state"));
+}
+
+TEST(Sweep, EntriesOfAMatrixHaveTheUnitsOfBothOfTheirVelocities) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.write("run.csv", "t,q quill.translation\n0,0\n1,0.1\n"),
+                    svg = folder.file("x.svg");
+  const auto texts = [&](const std::string& column) {
+    const Outcome outcome = axode({"eval", robot("machine.toml"), "--state", csv, "--want", "mass_matrix",
+                                   "--plot", svg, "--columns", column});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return texts_of(svg);
+  };
+  EXPECT_THAT(texts("quill.translation quill.translation"),
+              AllOf(Contains("mass_matrix; kg"), Not(Contains("mass_matrix; kg m"))));
+  EXPECT_THAT(texts("jack quill.translation"),
+              AllOf(Contains("mass_matrix; kg m"), Not(Contains("mass_matrix; kg"))));
+  EXPECT_THAT(texts("jack jack"), AllOf(Contains("mass_matrix; kg m^2"), Not(Contains("mass_matrix; kg m"))));
 }
 
 TEST(Sweep, NamesWhatIsWrongWithItsFile) {
