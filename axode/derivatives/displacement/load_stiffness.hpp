@@ -21,9 +21,10 @@ constexpr Wrench<BodyFixed, T> load_change(Representation representation, const 
   }
   return {};
 }
-/// The transposed map of load_change(): the gradient by X of the power L(X) W | Y for a twist Y. L(X) W is
-/// the change of a load W when its body is displaced along X and the components of the load are constant in
-/// `representation`.
+/// The transposed map of load_change(): the gradient by a screw X of the power L(X) W | Y for a twist Y.
+/// L(X) W is the change of a load W (an external wrench) when its body is displaced along X and the
+/// components of the load are constant in `representation`. W, X, Y and the result are resolved in the frame
+/// on which the load acts.
 template <class T>
 constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representation,
                                                       const Wrench<BodyFixed, T>& W,

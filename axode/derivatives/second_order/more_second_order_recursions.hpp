@@ -170,8 +170,8 @@ template <class T> struct SecondOrderRecursion<Mixed, T> {
 
  private:
   /// Let x be the components of a vector in axes that turn with the angular velocity ω. The components of
-  /// the time derivative of the vector are D x = x' + ω × x. Computes D x and its derivatives (D x)', (D
-  /// x)'', ... from x, x', ... and ω, ω', ....
+  /// the time derivative of the vector are D x = x' + ω × x. Computes D x and its derivatives (D x)',
+  /// (D x)'', ... from x, x', ... and ω, ω', ....
   template <std::size_t m, std::size_t n>
   static std::array<Vector, n - 1> rate(const std::array<Vector, m>& w, const std::array<Vector, n>& x) {
     std::array<Vector, n - 1> out;
@@ -185,10 +185,11 @@ template <class T> struct SecondOrderRecursion<Mixed, T> {
     }
     return out;
   }
-  /// The components Rᵀ f of a force f in turning axes R, and their first two time derivatives (D3.19). F
-  /// has a wrench with the force f in inertial axes and the first two time derivatives of this wrench. V
-  /// has a twist, whose angular part is the angular velocity of the axes R in these axes, and the time
-  /// derivatives of this twist.
+  /// Returns the components Rᵀ f of a vector f in turning axes, and their first two time derivatives (D3.19).
+  /// R maps components in the turning axes to components in inertial axes. The force parts of F[0], F[1] and
+  /// F[2] are the components of f in inertial axes and their first two time derivatives. The angular parts of
+  /// V[0] and V[1] are the components of the angular velocity of the turning axes in the turning axes, and
+  /// their time derivatives. The moments of F and the linear parts of V are not used.
   static std::array<Vector, 3> in_axes(const SO3<T>& R, const V6* V, const W6* F) {
     const SO3<T> Rt = transpose(R);
     const Vector turned = Rt * F[1].f, x = Rt * F[0].f, x_1 = turned - cross(V[0].w, x);

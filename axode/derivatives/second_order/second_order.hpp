@@ -119,12 +119,15 @@ template <class T> struct SecondOrder {
     first.compose(topology, loaded);
     compose(topology, loaded);
   }
-  /// Writes the second derivatives to the blocks of H, after run(), for a tree without couplings. They equal
-  /// those of add_to() to the last bit.
+  /// Writes the second derivatives of λ·τ that run() has prepared to the blocks of H, for a tree without
+  /// couplings: the derivatives by the pairs of variables (q, q), (q, v), (v, v) and (a, q), see
+  /// HessianBlocks. τ are the forces of inverse dynamics, and λ constant weights. The numbers equal those
+  /// that add_to() adds to the last bit.
   void write(const Topology& topology, bool loaded, const HessianBlocks<T>& H) const noexcept {
     for (int c = last_block<T>(topology.nv); c >= 0; c -= L::width) write_columns(topology, c, loaded, H);
   }
-  /// Adds the second derivatives to the blocks of H, after run(). A block that is null is skipped.
+  /// Adds the second derivatives of λ·τ that run() has prepared to the blocks of H, see HessianBlocks. τ are
+  /// the forces of inverse dynamics, and λ constant weights. A block that is null is skipped.
   void add_to(const Topology& topology, bool loaded, const HessianBlocks<T>& H) noexcept {
     const std::ptrdiff_t nv = topology.nv;
     const auto add = [&](T* block, std::ptrdiff_t outer, std::ptrdiff_t inner, const T& x) {
