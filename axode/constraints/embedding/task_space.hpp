@@ -75,8 +75,8 @@ class TaskSpace {
   int freedom() const;
   const std::vector<std::string>& names() const;
   /// limbs() is the number of limbs, which are the chains that carry the platform, and limb(l) has the
-  /// indices of the velocities of limb l. If no loop constrains some of the velocities outside the platform's
-  /// joint, these velocities count as one more limb, the last one.
+  /// indices of the velocities of limb l. If there are joints that belong neither to a limb nor to the path
+  /// from the ground to the platform, their velocities count as one more limb, the last one.
   int limbs() const;
   const std::vector<int>& limb(int l) const;
 
