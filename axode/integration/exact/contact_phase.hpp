@@ -73,12 +73,13 @@ class ContactPhase {
   std::string accelerate(const Vector& q, const Vector& v, const Forces& forces, std::span<double> a);
 
   // After accelerate():
-  /// A number that becomes negative when the constraints that are closed now need normal forces that pull, or
-  /// friction beyond its limit (D11.31). It is the least margin of these forces, measured by the acceleration
-  /// that a force of this size causes, divided by the sum of the norms of the accelerations without and with
-  /// constraint forces; the norm of a is √(aᵀ M a) with the mass matrix M. If several sets of constraint
-  /// forces give the same accelerations and the quotient is not above 0.001, that of the set with the largest
-  /// margin is taken. The result is 0 if both accelerations are 0.
+  /// Returns a number without unit that is negative if the closed constraints need normal forces that pull,
+  /// or friction beyond its limit (D11.31). The margin of a constraint is the force by which it is within its
+  /// limits, times the norm of the acceleration that a unit of this force causes. The norm of an acceleration
+  /// a is √(aᵀ M a) with the mass matrix M. The result is the least margin of all closed constraints, divided
+  /// by the sum of the norms of the accelerations without and with constraint forces, and 0 if both are 0.
+  /// Different constraint forces may give the same accelerations. If the result for the forces that
+  /// accelerate() found is not above 0.001, the forces with the largest least margin replace them.
   double reserve();
   /// For each constraint in the list `closed` of contacts, stops and joints with dry friction, speeds() has
   /// the norm of its sliding velocity, and slips() the component of this velocity along the direction of
