@@ -61,8 +61,8 @@ class DriveStates {
   static constexpr const char* runs_backwards =
       "states of drives change too fast for those parts of the step in which time runs backwards; use a "
       "shorter step, or a method of order 2";
-  /// The time s of the first of the two stages after the start of the step, as a fraction of the step's
-  /// length (D17.7b).
+  /// The fraction s = 1 - 1/√2 of the L-stable method with two implicit stages, see take_two_stages(). In a
+  /// step of length h from time t, its first stage is at t + s h and its second one at t + h (D17.7b).
   static constexpr double stage = 1 - 0.5 * std::numbers::sqrt2;
   /// The states in the last evaluation of forces.
   Span states() const { return {x_t_.data(), size()}; }
