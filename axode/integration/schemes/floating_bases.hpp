@@ -64,8 +64,9 @@ class FloatingBases {
       }
     }
   }
-  /// The gravity (m/s²) that acts on each body that is joined to the ground, and on its subtree. It is
-  /// indexed by bodies, and 0 for floating bases.
+  /// The gravity (m/s², inertial axes) for equations of motion relative to the moving frames of the floating
+  /// bases. If body i is joined to the ground, entry i holds for its subtree. It is 0 for a floating base,
+  /// because its moving frame falls with gravity. Entries of other bodies are not used.
   std::span<const Vec3<>> gravity() const { return gravity_; }
   /// Calls f(body, constant) for each floating base. `constant` says whether the centre of mass of the base
   /// with its subtree is at rest in the moving frame of the base, which does not rotate and falls with
