@@ -177,8 +177,9 @@ class Table {
   std::vector<Table> tables(std::string_view key, const std::string& need);
 
  private:
-  /// Reads a table inside this one, which has the key `key`. Calls read(table, name, entry) for each of its
-  /// entries, and returns the names and the results, except results that are empty.
+  /// Reads the table that this one has at the key `key`. Calls read(table, name, entry) for each entry of
+  /// that table, and returns pairs of the entry's name and its result. Entries whose result is empty are left
+  /// out with their names. Returns no pairs if there is no such table.
   template <class T, class Read>
   std::vector<std::pair<std::string, T>> named(std::string_view key, const Read& read);
   /// Reads an array of N numbers into `out`. A fault is added only for a number that is not finite.
