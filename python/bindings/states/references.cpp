@@ -88,8 +88,10 @@ StraightPath path_between(const BoundModel& m, ArrayLike start, ArrayLike goal) 
   return {*m, from.q(0), to.q(0)};
 }
 
-/// Makes a trajectory along a straight path. function(t) must return, for a time t or several times, the
-/// distance along the path and its first and second derivative.
+/// Makes the trajectory on which the joints move along a path in joint coordinates, on which every joint
+/// follows its geodesic from start to goal. function(t) must return three lists with one number for each
+/// joint that moves: how far the joint has gone along its path at time t (s), in rad or m, and the first two
+/// time derivatives of this distance.
 nb::object follow(const StraightPath& of, const std::vector<double>& jumps, double duration,
                   const nb::callable& function) {
   return bound_trajectory(of.follow(jumps, duration, [&](double t, int, std::span<MotionValue> distances) {
