@@ -5,7 +5,7 @@ namespace axode {
 
 /// The inertia of a rigid body in a frame: mass m (kg), first moment h = m c (kg m) with the centre of mass
 /// c, and rotational inertia Θ (kg m²) about the origin, all in the axes of the frame. As a matrix it is M =
-/// [[Θ, h̃], [-h̃, m I]] (eq. Mb).
+/// [[Θ, h̃], [-h̃, m I]] (Müller, eq. Mb).
 template <class T = double> struct Inertia {
   T m{};
   Vec3<T> h;
@@ -18,7 +18,7 @@ template <class T> constexpr Inertia<T> operator+(const Inertia<T>& a, const Ine
 template <class T> constexpr Inertia<T>& operator+=(Inertia<T>& a, const Inertia<T>& b) { return a = a + b; }
 
 /// Inertia in a body frame from the mass, the centre of mass c, and the rotational inertia about it, given in
-/// axes rotated by R_bc relative to the body frame: the parallel-axis theorem (eqs. Mbc, Mb).
+/// axes rotated by R_bc relative to the body frame: the parallel-axis theorem (Müller, eqs. Mbc, Mb).
 template <class T>
 constexpr Inertia<T> inertia_from_com(const T& m, const Vec3<T>& c, const Sym3<T>& Theta_c,
                                       const SO3<T>& R_bc = {}) {
@@ -31,7 +31,7 @@ template <class T> constexpr Sym3<T> inertia_about_com(const Inertia<T>& M) {
 /// The centre of mass in the frame of M. The mass must not be 0.
 template <class T> constexpr Vec3<T> center_of_mass(const Inertia<T>& M) { return (T(1) / M.m) * M.h; }
 
-/// Ad_R⁻ᵀ M Ad_R⁻¹: the inertia in rotated axes about the same point (eq. aWhRec).
+/// Ad_R⁻ᵀ M Ad_R⁻¹: the inertia in rotated axes about the same point (Müller, eq. aWhRec).
 template <class T> constexpr Inertia<T> transform(const SO3<T>& R, const Inertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_rotation);
   return {M.m, R * M.h, rotate(R, M.Theta)};
@@ -43,13 +43,13 @@ template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const Inerti
   return {M.m, M.h + M.m * r, M.Theta + parallel_axis_tensor(M.h + (T(0.5) * M.m) * r, r)};
 }
 /// The inertia Ad_S⁻ᵀ M Ad_S⁻¹ in another frame, where S is the pose of the frame of M relative to that other
-/// frame (eqs. Ms, Mb).
+/// frame (Müller, eqs. Ms, Mb).
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
 }
 
-/// The inertia in a frame whose origin is the centre of mass, M = diag(Θ, m I) (eq. Mbc).
+/// The inertia in a frame whose origin is the centre of mass, M = diag(Θ, m I) (Müller, eq. Mbc).
 template <class T = double> struct CentralInertia {
   T m{};
   Sym3<T> Theta;
@@ -88,7 +88,8 @@ constexpr Wrench<Rep, T> operator*(const Inertia<T>& M, const TwistRate<Rep, T>&
   return {M.Theta * dV.w + cross(M.h, dV.v), M.m * dV.v - cross(M.h, dV.w)};
 }
 
-/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (eq. Msdot); its mass is 0.
+/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (Müller, eq. Msdot); its mass
+/// is 0.
 template <AtFrameOrigin Rep, class T>
 constexpr Inertia<T> inertia_rate(const Twist<Rep, T>& V, const Inertia<T>& M) {
   const Sym3<T>& A = M.Theta;

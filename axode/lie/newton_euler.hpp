@@ -28,9 +28,9 @@ constexpr Wrench<Mixed, T> velocity_wrench(const Inertia<T>& M, const SO3<T>& R,
   return {cross(V.w, M.Theta * V.w), R * cross(V.w, cross(V.w, M.h))};
 }
 
-/// The Newton-Euler equations. In body-fixed and spatial twists W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0),
-/// with M in the frame of V. In hybrid twists W^h = M^h V'^h + ad_ω M^h (ω; 0) (eqs. NEh, NEh0), with the
-/// angular velocity ω and the inertia M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹ in inertial axes.
+/// The Newton-Euler equations. In body-fixed and spatial twists W = M V' - ad_Vᵀ M V (Müller, eqs. NEs, NEb,
+/// NEb0), with M in the frame of V. In hybrid twists W^h = M^h V'^h + ad_ω M^h (ω; 0) (Müller, eqs. NEh,
+/// NEh0), with the angular velocity ω and the inertia M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹ in inertial axes.
 template <class Rep, class T>
   requires(AtFrameOrigin<Rep> || std::same_as<Rep, Hybrid>)
 constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V,
@@ -39,8 +39,8 @@ constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& 
 }
 
 /// The Newton-Euler equations in mixed representation: moments and angular velocities are in body axes,
-/// forces and linear velocities in inertial axes (eqs. NEm rot, NEm trans, NEcmixed). M is in the body frame,
-/// and R is the rotation of the body frame.
+/// forces and linear velocities in inertial axes (Müller, eqs. NEm rot, NEm trans, NEcmixed). M is in the
+/// body frame, and R is the rotation of the body frame.
 template <class T>
 constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V,
                                         const TwistRate<Mixed, T>& dV) {
@@ -49,9 +49,9 @@ constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, co
           M.m * dV.v + R * (cross(dV.w, M.h) + cross(V.w, cross(V.w, M.h)))};
 }
 
-/// The Newton-Euler equations about the centre of mass (eqs. NEb0, NEhCOM, NEhCOM2, NEcmixed). Euler's
-/// equation for the moment does not contain the linear motion, and Newton's equation for the force does not
-/// contain the inertia tensor.
+/// The Newton-Euler equations about the centre of mass (Müller, eqs. NEb0, NEhCOM, NEhCOM2, NEcmixed).
+/// Euler's equation for the moment does not contain the linear motion, and Newton's equation for the force
+/// does not contain the inertia tensor.
 template <class T>
 constexpr Wrench<BodyFixed, T> newton_euler(const CentralInertia<T>& M, const Twist<BodyFixed, T>& V,
                                             const TwistRate<BodyFixed, T>& dV) {
@@ -72,10 +72,10 @@ constexpr Wrench<Mixed, T> newton_euler(const CentralInertia<T>& M, const SO3<T>
 }
 
 /// The Newton-Euler equations for twists that are measured at the origin of a frame F_j and resolved in the
-/// axes of a frame F_k (eqs. NEij, NE (j,k) with erratum 19): W = M (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) -
-/// ad_Vᵀ M V, with the inertia M = ^kM_i^j about the origin of F_j in the axes of F_k, the twist V_j of F_j,
-/// and the angular velocities ω_j and ω_k of the frames. Of the motion of the frames the equations need only
-/// the velocity of the origin of F_j and the angular velocity of F_k.
+/// axes of a frame F_k (Müller, eqs. NEij, NE (j,k) with erratum 19): W = M (V' + (ad_{V_j} + ad_{ω_k - ω_j})
+/// V) - ad_Vᵀ M V, with the inertia M = ^kM_i^j about the origin of F_j in the axes of F_k, the twist V_j of
+/// F_j, and the angular velocities ω_j and ω_k of the frames. Of the motion of the frames the equations need
+/// only the velocity of the origin of F_j and the angular velocity of F_k.
 template <class T>
 constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk,
                                            const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {

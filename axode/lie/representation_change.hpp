@@ -2,8 +2,8 @@
 #include "axode/lie/twist.hpp"
 
 /// change<To>(C, x) converts the twist, wrench or momentum x of a body with pose C to the representation To
-/// (eqs. VhVb, VsVb, Vmbhs). change<To>(C, V, V') converts the rate V' of the components of the twist V, and
-/// needs V for this. Both convert to the body-fixed representation first.
+/// (Müller, eqs. VhVb, VsVb, Vmbhs). change<To>(C, V, V') converts the rate V' of the components of the twist
+/// V, and needs V for this. Both convert to the body-fixed representation first.
 namespace axode {
 
 /// Two moving frames F_j and F_k, for twists ^kV^j, which are measured at the origin of F_j and resolved in

@@ -37,7 +37,7 @@ template <class T> constexpr Screw<T> operator-(const Screw<T>& a, const Screw<T
 template <class T> constexpr Screw<T> operator-(const Screw<T>& a) { return {-a.w, -a.v}; }
 template <class T> constexpr Screw<T> operator*(const T& s, const Screw<T>& a) { return {s * a.w, s * a.v}; }
 
-/// Ad_C X, the frame transformation of screws (eq. Ad).
+/// Ad_C X, the frame transformation of screws (Müller, eq. Ad).
 template <class T> constexpr Screw<T> Ad(const SE3<T>& C, const Screw<T>& X) {
   const ScrewOperationScope<T> scope(ScrewOperation::transformation);
   const Vec3<T> w = C.R * X.w;
@@ -49,17 +49,17 @@ template <class T> constexpr Screw<T> Ad_inv(const SE3<T>& C, const Screw<T>& X)
   const SO3<T> Rt = transpose(C.R);
   return {Rt * X.w, Rt * (X.v - cross(C.r, X.w))};
 }
-/// Ad_R X, the rotational part of Ad (eq. AdRr).
+/// Ad_R X, the rotational part of Ad (Müller, eq. AdRr).
 template <class T> constexpr Screw<T> Ad(const SO3<T>& R, const Screw<T>& X) {
   const ScrewOperationScope<T> scope(ScrewOperation::rotation);
   return {R * X.w, R * X.v};
 }
-/// Ad_r X, the translational part of Ad (eq. AdRr).
+/// Ad_r X, the translational part of Ad (Müller, eq. AdRr).
 template <class T> constexpr Screw<T> Ad(const Vec3<T>& r, const Screw<T>& X) {
   const ScrewOperationScope<T> scope(ScrewOperation::translation);
   return {X.w, X.v + cross(r, X.w)};
 }
-/// ad_X Z = [X, Z], the Lie bracket or screw product (eqs. ScrewProd, adse3).
+/// ad_X Z = [X, Z], the Lie bracket or screw product (Müller, eqs. ScrewProd, adse3).
 template <class T> constexpr Screw<T> ad(const Screw<T>& X, const Screw<T>& Z) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {cross(X.w, Z.w), cross(X.v, Z.w) + cross(X.w, Z.v)};
@@ -93,7 +93,7 @@ constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Scr
   return {apply(P, X.w, U.w, Z.w),
           apply(P, X.w, U.w, Z.v) + apply(P, X.w, U.v, Z.w) + apply(P, X.w, X.v, U.w, Z.w)};
 }
-/// dexp_X Z: the right-trivialised differential, (d/dt exp X) exp(-X) = dexp_X X' (eq. Vdexp).
+/// dexp_X Z: the right-trivialised differential, (d/dt exp X) exp(-X) = dexp_X X' (Müller, eq. Vdexp).
 template <class T> constexpr Screw<T> dexp(const Screw<T>& X, const Screw<T>& Z) {
   return apply(dexp_operator(dot(X.w, X.w)), X, Z);
 }

@@ -168,7 +168,7 @@ template <AtFrameOrigin Rep, class T> constexpr Screw<T> screw(const Twist<Rep, 
 /// The body-fixed or spatial twist with the screw coordinates X.
 template <AtFrameOrigin Rep, class T> constexpr Twist<Rep, T> twist(const Screw<T>& X) { return {X.w, X.v}; }
 
-/// The Lie bracket ad_V1 V2 = [V1, V2] of two twists in one representation (eq. ScrewProd).
+/// The Lie bracket ad_V1 V2 = [V1, V2] of two twists in one representation (Müller, eq. ScrewProd).
 template <AtFrameOrigin Rep, class T>
 constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
   return twist<Rep>(ad(screw(V1), screw(V2)));
@@ -186,11 +186,11 @@ constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
   return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
 }
 
-/// The spatial twist V^s = Ad_C V^b of a body with pose C from its body-fixed twist (eq. VsVb).
+/// The spatial twist V^s = Ad_C V^b of a body with pose C from its body-fixed twist (Müller, eq. VsVb).
 template <class T> constexpr Twist<Spatial, T> Ad(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
   return twist<Spatial>(Ad(C, screw(V)));
 }
-/// The body-fixed twist V^b = Ad_C⁻¹ V^s of a body with pose C from its spatial twist (eq. VsVb).
+/// The body-fixed twist V^b = Ad_C⁻¹ V^s of a body with pose C from its spatial twist (Müller, eq. VsVb).
 template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const Twist<Spatial, T>& V) {
   return twist<BodyFixed>(Ad_inv(C, screw(V)));
 }
