@@ -56,7 +56,7 @@ template <template <class, class> class Kind, class Rep, class T>
     const auto& [a, b] = x;
     return Vector6<T>{a.x, a.y, a.z, b.x, b.y, b.z};
   }
-/// The 6×6 matrix M = [[Θ, h̃], [-h̃, m I]] of an inertia (eq. Mb).
+/// The 6×6 matrix M = [[Θ, h̃], [-h̃, m I]] of an inertia (Müller, eq. Mb).
 template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
   Matrix6<T> matrix;
   matrix << to_eigen(M.Theta), skew(M.h), -skew(M.h), M.m * Eigen::Matrix3<T>::Identity();
@@ -240,19 +240,19 @@ template <class T = double, class Map> Matrix6<T> matrix6(const Map& f) {
   return matrix;
 }
 
-/// The 6×6 matrix Ad_C = [[R, 0], [r̃ R, R]] of a pose C = (R, r) (eq. Ad).
+/// The 6×6 matrix Ad_C = [[R, 0], [r̃ R, R]] of a pose C = (R, r) (Müller, eq. Ad).
 template <class T> Matrix6<T> Ad_matrix(const SE3<T>& C) {
   return matrix6<T>([&](const Screw<T>& Z) { return Ad(C, Z); });
 }
-/// The 6×6 matrix Ad_R = diag(R, R) of a rotation R (eq. AdRr).
+/// The 6×6 matrix Ad_R = diag(R, R) of a rotation R (Müller, eq. AdRr).
 template <class T> Matrix6<T> Ad_matrix(const SO3<T>& R) {
   return matrix6<T>([&](const Screw<T>& Z) { return Ad(R, Z); });
 }
-/// The 6×6 matrix Ad_r = [[I, 0], [r̃, I]] of a translation r (eq. AdRr).
+/// The 6×6 matrix Ad_r = [[I, 0], [r̃, I]] of a translation r (Müller, eq. AdRr).
 template <class T> Matrix6<T> Ad_matrix(const Vec3<T>& r) {
   return matrix6<T>([&](const Screw<T>& Z) { return Ad(r, Z); });
 }
-/// The 6×6 matrix ad_X = [[w̃, 0], [ṽ, w̃]] of a screw X = (w; v) (eq. adse3).
+/// The 6×6 matrix ad_X = [[w̃, 0], [ṽ, w̃]] of a screw X = (w; v) (Müller, eq. adse3).
 template <class T> Matrix6<T> ad_matrix(const Screw<T>& X) {
   return matrix6<T>([&](const Screw<T>& Z) { return ad(X, Z); });
 }
