@@ -8,8 +8,8 @@
 /// Its screw, times this ratio, is added to the column of the leader.
 namespace axode {
 
-/// Computes the Jacobian of a place (a frame on a body), nv columns (eqs. JbX, JsX, Jh, JhJb). O(path length)
-/// for the path to the ground, and O(nv) to clear the other columns.
+/// Computes the Jacobian of a place (a frame on a body), nv columns (Müller, eqs. JbX, JsX, Jh, JhJb). O(path
+/// length) for the path to the ground, and O(nv) to clear the other columns.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);

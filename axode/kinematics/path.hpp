@@ -28,9 +28,9 @@ template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE
 
 /// Walks from a place (a frame on a body) to the ground, or to body `until` on this path. For each joint i on
 /// the way, the joint of `until` excluded, calls f(i, c, X) with the column X of joint i in the body-fixed
-/// Jacobian of the place for velocity c (eq. JbX). Returns the pose of the place in the inertial frame or, if
-/// `until` is not 0, in the joint frame of body `until`, which is fixed to this body at the joint to its
-/// predecessor. O(path length).
+/// Jacobian of the place for velocity c (Müller, eq. JbX). Returns the pose of the place in the inertial
+/// frame or, if `until` is not 0, in the joint frame of body `until`, which is fixed to this body at the
+/// joint to its predecessor. O(path length).
 template <class T, class F>
 SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& place, F&& f,
                               int until = 0) noexcept {

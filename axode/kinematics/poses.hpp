@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// The pose C_i (positions in m) of each of the n_frames frames in the inertial frame (eqs. POEX, aVbRec2);
-/// O(n).
+/// The pose C_i (positions in m) of each of the n_frames frames in the inertial frame (Müller, eqs. POEX,
+/// aVbRec2); O(n).
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C);

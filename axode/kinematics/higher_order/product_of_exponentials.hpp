@@ -24,8 +24,8 @@ template <class T> SE3<T> joint_displacement(const Model& model, int i, const T*
 }
 
 /// The poses C_i = B_1 exp(X_1 q_1) B_2 exp(X_2 q_2) ... of the ground and every body, as products along the
-/// path to body i (eq. POEX), with the pose B_i relative to the predecessor at q = 0 and the joint screw X_i
-/// in the body frame.
+/// path to body i (Müller, eq. POEX), with the pose B_i relative to the predecessor at q = 0 and the joint
+/// screw X_i in the body frame.
 template <class T> std::vector<SE3<T>> poses_by_body_screws(const Model& model, const T* q) {
   std::vector<SE3<T>> C(model.n_bodies() + 1);
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -36,7 +36,8 @@ template <class T> std::vector<SE3<T>> poses_by_body_screws(const Model& model, 
 }
 
 /// The poses C_i = exp(Y_1 q_1) exp(Y_2 q_2) ... A_i of the ground and every body, as products along the path
-/// to body i (eq. POEY), with the pose A_i of body i and the joint screws Y_i in the inertial frame at q = 0.
+/// to body i (Müller, eq. POEY), with the pose A_i of body i and the joint screws Y_i in the inertial frame
+/// at q = 0.
 template <class T> std::vector<SE3<T>> poses_by_spatial_screws(const Model& model, const T* q) {
   std::vector<SE3<T>> exponentials(model.n_bodies() + 1), C(model.n_bodies() + 1);
   for (int i = 1; i <= model.n_bodies(); ++i) {
