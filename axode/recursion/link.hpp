@@ -50,7 +50,7 @@ template <class T> struct Link<BodyFixed, T> {
     return transform(C_pi.r,
                      ArticulatedInertia<BodyFixed, T>{rotate(R, M.A), (R * M.B) * Rt, rotate(R, M.L)});
   }
-  /// The bias [V_i, X v] of V'_i, where X v is the joint motion (eqs. crecVbi, cVbRec2).
+  /// The bias [V_i, X v] of V'_i, where X v is the joint motion (Müller, eqs. crecVbi, cVbRec2).
   constexpr TwistRate<BodyFixed, T> bias(const Twist<BodyFixed, T>&, const Twist<BodyFixed, T>& V,
                                          const Twist<BodyFixed, T>& Sv) const {
     const Twist<BodyFixed, T> X = ad(V, Sv);
@@ -75,7 +75,7 @@ template <class T> struct Link<Spatial, T> {
 
   template <class Screwlike> constexpr Screwlike down(const Screwlike& V_p) const { return V_p; }
   template <class Anything> constexpr const Anything& up(const Anything& W) const { return W; }
-  /// The bias [V_i, J v] of V'_i, where J v is the joint motion (eqs. timeDerJs, Visdotrec).
+  /// The bias [V_i, J v] of V'_i, where J v is the joint motion (Müller, eqs. timeDerJs, Visdotrec).
   constexpr TwistRate<Spatial, T> bias(const Twist<Spatial, T>&, const Twist<Spatial, T>& V,
                                        const Twist<Spatial, T>& Sv) const {
     const Twist<Spatial, T> X = ad(V, Sv);

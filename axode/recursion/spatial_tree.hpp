@@ -64,7 +64,7 @@ template <class T> struct SpatialTree {
     return (T(1) / mass()) * h;
   }
 
-  /// Computes the twists V_i = V_p + J v of all bodies (eq. Vsirec).
+  /// Computes the twists V_i = V_p + J v of all bodies (Müller, eq. Vsirec).
   void twists(const T* v, Twist<Spatial, T>* V) const noexcept {
     V[0] = {};
     for (int i = 1; i <= topology->n; ++i) {
