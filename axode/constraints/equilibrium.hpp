@@ -30,7 +30,7 @@ struct EquilibriumResult {
 
 /// Finds a configuration near q0 in which the system stays at rest under the drive forces tau (nv; 0 if it is
 /// empty): the loops are closed, and the unbalanced forces are 0. These are the inverse dynamics at v = 0 and
-/// a = 0 (eq. `LE`) minus tau and the forces of springs, mechanical stops and loops.
+/// a = 0 (Müller, eq. `LE`) minus tau and the forces of springs, mechanical stops and loops.
 ///
 /// The method is Newton's on the configuration manifold, with the exact derivative of the unbalanced forces
 /// by q along the velocities that the loops allow; if this derivative is singular, the least step is taken. A
