@@ -14,7 +14,7 @@
 #include "axode/scalar/text.hpp"
 
 /// Kinematic reconstruction: computes the motion C(t) of a body from its twist by C' = C V^b or C' = V^s C
-/// (eq. Vbs), with Runge-Kutta-Munthe-Kaas methods or Magnus' series. The function twist(t) gives the
+/// (Müller, eq. Vbs), with Runge-Kutta-Munthe-Kaas methods or Magnus' series. The function twist(t) gives the
 /// body-fixed or the spatial twist at time t. The results are the poses at all given times, beginning with
 /// C0, and one step leads from each time to the next. Throws std::invalid_argument if times do not increase
 /// or are not finite, and if the coefficients of the Runge-Kutta method (its Butcher tableau) are
@@ -54,8 +54,8 @@ template <PoseRate Rep> SE3<> moved(const SE3<>& C, const SE3<>& D) {
 }  // namespace reconstruction
 
 /// Computes the motion of a body from its twist by Munthe-Kaas' method: a step is C exp(X), or exp(X) C,
-/// where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (eq. Vdexp), is integrated by the Runge-Kutta method of the
-/// tableau. With LocalCoordinates::cayley, Cayley's map replaces exp. Returns the poses at all times.
+/// where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (Müller, eq. Vdexp), is integrated by the Runge-Kutta method
+/// of the tableau. With LocalCoordinates::cayley, Cayley's map replaces exp. Returns the poses at all times.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const double> times,
                                const Tableau& method = runge_kutta(4),
