@@ -20,19 +20,19 @@ TwistRate<BodyFixed, T> bracket_with_hinge(const Twist<BodyFixed, T>& X, const T
   return {{X.w.y * s, -(X.w.x * s), T(0)}, {X.v.y * s, -(X.v.x * s), T(0)}};
 }
 
-/// [Ad V_p, S v] (eq. arecVbi).
+/// [Ad V_p, S v] (Müller, eq. arecVbi).
 struct FormA {
   template <class T> static TwistRate<BodyFixed, T> bias(const BiasOf<BodyFixed, T>& of, bool) {
     return rate_of(ad(of.U, of.Sv));
   }
 };
-/// [Ad V_p, V_i] (eq. brecVbi).
+/// [Ad V_p, V_i] (Müller, eq. brecVbi).
 struct FormB {
   template <class T> static TwistRate<BodyFixed, T> bias(const BiasOf<BodyFixed, T>& of, bool) {
     return rate_of(ad(of.U, of.V));
   }
 };
-/// [V_i, S v] (eq. crecVbi).
+/// [V_i, S v] (Müller, eq. crecVbi).
 struct FormC {
   template <class T> static TwistRate<BodyFixed, T> bias(const BiasOf<BodyFixed, T>& of, bool) {
     return rate_of(ad(of.V, of.Sv));
@@ -49,13 +49,13 @@ struct SparseFormC {
     return is_hinge ? bracket_with_hinge(of.V, of.Sv) : FormC::bias(of, false);
   }
 };
-/// ad_{r'_ip} V_p + ad_ω S v (eq. recVhdot1).
+/// ad_{r'_ip} V_p + ad_ω S v (Müller, eq. recVhdot1).
 struct Form1 {
   template <class T> static TwistRate<Hybrid, T> bias(const BiasOf<Hybrid, T>& of, bool) {
     return {cross(of.V.w, of.Sv.w), cross(of.V_p.v - of.V.v, of.V_p.w) + cross(of.V.w, of.Sv.v)};
   }
 };
-/// ad_{r'_p} V_p - ad_{r'_i} V_i + ad_{V_i} S v (eq. recVhdot2).
+/// ad_{r'_p} V_p - ad_{r'_i} V_i + ad_{V_i} S v (Müller, eq. recVhdot2).
 struct Form2 {
   template <class T> static TwistRate<Hybrid, T> bias(const BiasOf<Hybrid, T>& of, bool) {
     return {cross(of.V.w, of.Sv.w), cross(of.V_p.v, of.V_p.w) - cross(of.V.v, of.V.w) +
@@ -63,8 +63,8 @@ struct Form2 {
   }
 };
 /// Computes the part of the hybrid twist rate that is due to velocities as ad_{r'_ip} V_i + (ad_{V_i} -
-/// ad_{r'_p}) S v (eq. recVhdot3), where V_i is the hybrid twist of body i, p its predecessor, S v the
-/// joint's twist, and r'_ip = r'_p - r'_i the difference of the velocities of the origins.
+/// ad_{r'_p}) S v (Müller, eq. recVhdot3), where V_i is the hybrid twist of body i, p its predecessor, S v
+/// the joint's twist, and r'_ip = r'_p - r'_i the difference of the velocities of the origins.
 struct Form3 {
   template <class T> static TwistRate<Hybrid, T> bias(const BiasOf<Hybrid, T>& of, bool) {
     const Vec3<T> dr = of.V_p.v - of.V.v;
