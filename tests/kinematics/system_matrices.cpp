@@ -132,8 +132,8 @@ TEST_P(System, VelocitiesOfImpossibleTwistsLeaveTheLeastResidual) {
   });
 }
 
-/// J̇^b = -A a D J; if every joint has one degree of freedom, this is -A a J (eq. u:Jb_dot matrix). And V̇ =
-/// J a - A a V (eq. VbdotMat).
+/// J̇^b = -A a D J; if every joint has one degree of freedom, this is -A a J (Müller, eq. u:Jb_dot matrix).
+/// And V̇ = J a - A a V (Müller, eq. VbdotMat).
 TEST(BodyFixedSystem, JacobianChangesByTheMatrixOfJointTwists) {
   Comparison rate("rate", agreement<double>), acceleration("acceleration", agreement<double>);
   int singles = 0;
@@ -167,7 +167,8 @@ TEST(BodyFixedSystem, JacobianChangesByTheMatrixOfJointTwists) {
   }
 }
 
-/// J^s = A^s Y^s = A^sb X^b (eq. JbSys) and V^s' = J^s a + L b^s diag(J_1, ..., J_n) v (eq. VsdotMat).
+/// J^s = A^s Y^s = A^sb X^b (Müller, eq. JbSys) and V^s' = J^s a + L b^s diag(J_1, ..., J_n) v (Müller,
+/// eq. VsdotMat).
 TEST(SpatialSystem, JacobianHasThreeFactorisations) {
   Comparison jacobian_of("J", agreement<double>), acceleration("acceleration", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {

@@ -37,7 +37,7 @@ inline Vec3<> second_rate(const Vec3<Series>& x) { return rate(derivative(x)); }
 
 // ------------------------------------------------------------- the paper's notation for vectors and matrices
 
-/// Ad_C, Ad_R and Ad_r (eqs. Ad, AdRr).
+/// Ad_C, Ad_R and Ad_r (Müller, eqs. Ad, AdRr).
 Mat6 Ad(const SE3<>& C);
 Mat6 Ad(const SO3<>& R);
 Mat6 Ad(const Vec3<>& r);
@@ -47,7 +47,7 @@ MatrixOfT Ad(const SE3<Series>& C);
 MatrixOfT Ad(const SO3<Series>& R);
 MatrixOfT Ad(const Vec3<Series>& r);
 
-/// ad_X, ad_ω and ad_v (eq. adse3).
+/// ad_X, ad_ω and ad_v (Müller, eq. adse3).
 Mat6 ad(const Vec6& X);
 Mat6 ad_w(const Vec3d& w);
 Mat6 ad_v(const Vec3d& v);
@@ -60,7 +60,7 @@ MatrixOfT hat(const Screw<Series>& X);
 /// The angular and the linear part of a six-vector.
 Vec3d angular(const Vec6& X);
 Vec3d linear(const Vec6& X);
-/// (ω; 0) (eq. Vw).
+/// (ω; 0) (Müller, eq. Vw).
 Vec6 angular_screw(const Vec6& X);
 
 // -------------------------------------------------------------------------------- twists by their definition
