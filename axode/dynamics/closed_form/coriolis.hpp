@@ -5,7 +5,7 @@ namespace axode {
 
 /// The forms of the Coriolis matrix C(q, v). In each of them, C v is the Coriolis vector.
 enum class CoriolisForm {
-  paper,    ///< the paper's C = -Jᵀ (M A a + bᵀ M) J (eq. CMat); M' - 2C is not skew
+  paper,    ///< the paper's C = -Jᵀ (M A a + bᵀ M) J (Müller, eq. CMat); M' - 2C is not skew
   skew,     ///< C' = -Jᵀ (M A a + bᵀ M - M b) J: M' - 2C is skew
   spatial,  ///< Jᵀ (M J' - ad_Vᵀ M J) in spatial twists; equal to the form `skew`
   /// C_ij = Σ_k Γ_ijk v_k; M' - 2C is skew. With multi-DOF joints Γ is the Levi-Civita connection of M.
