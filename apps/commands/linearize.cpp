@@ -314,7 +314,7 @@ std::string verdict(const Linearized& at) {
 }
 
 /// A chart of the poles, which are the eigenvalues of A, and of the natural frequencies of oscillating modes.
-Chart chart_of_model(const Linearized& at) {
+Chart chart_of_poles(const Linearized& at) {
   std::array<Curve, 3> poles{
       Curve{.name = "dies out", .color = 0}, {.name = "keeps on", .color = 8}, {.name = "grows", .color = 3}};
   Curve frequencies{.kind = Curve::bars, .color = 0};
@@ -371,7 +371,7 @@ void run(const LinearizeOptions& options) {
       case FileFormat::csv: write_text(options.outputs[k], as_csv(AB.matrix, AB.rows, AB.columns)); break;
       case FileFormat::npz: write_text(options.outputs[k], as_npz({{"A", at.A}, {"B", at.B}})); break;
     }
-  if (plot) plot->draw(chart_of_model(at));
+  if (plot) plot->draw(chart_of_poles(at));
   if (format == Format::json) {
     fmt::print("{}", text(as_json(at)));
   } else {

@@ -5,7 +5,7 @@
 /// Jacobians J of places, which are frames on bodies: V = J v is the twist of a place at the velocities v. A
 /// dense Jacobian has nv columns, each the twist for a unit of one velocity, and zero if this does not move
 /// the place. A coupled joint moves with the velocity of another joint, its leader, times a constant ratio.
-/// Its screw, times this ratio, is added to the column of the leader.
+/// The screw of a coupled joint, times the ratio, is added to the column of its leader.
 namespace axode {
 
 /// Computes the Jacobian of a place (a frame on a body), nv columns (Müller, eqs. JbX, JsX, Jh, JhJb). O(path

@@ -13,8 +13,8 @@ namespace axode::codegen {
 /// about its axis, for a prismatic joint the whole rotational inertia, and for a spherical joint the mass as
 /// a point mass in its centre.
 ///
-/// Of the bodies of the result, callers may use only the inertias M, and the poses B relative to the
-/// predecessors at q = 0.
+/// The inertias M of the bodies of the result, and their poses B relative to the predecessors at q = 0, are
+/// valid. Callers must not use any other data of these bodies.
 Tree<double> traced_tree(const Tree<double>& tree);
 
 }  // namespace axode::codegen

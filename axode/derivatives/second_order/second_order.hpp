@@ -269,7 +269,9 @@ template <class T> struct SecondOrder {
     int end = next;                        // of the rows that are not 0
     for (int l = 0; l < L::width; ++l) {
       const int k = std::min(c + l, nv - 1);
-      column.x[l] = T(c + l), joint.x[l] = T(joint_of(k)), after.x[l] = T(joint_end(k));
+      column.x[l] = T(c + l);
+      joint.x[l] = T(joint_of(k));
+      after.x[l] = T(joint_end(k));
       subtree.x[l] = T(end_of(k));
       end = std::max(end, end_of(k));
     }
