@@ -230,7 +230,8 @@ struct Result {
     for (std::size_t k = 0; k < results.size(); ++k) all[row.symbols[k]] = json(results[k]);
     return all;
   }
-  /// Adds all results of the call to a table. `before` are the first cells of the first row.
+  /// Adds all results of the call to a table. `before` are the first cells of the first row, such as the name
+  /// of a frame; they are empty in all other rows, so that a name is printed only once.
   void tabulate_all(const std::vector<Reals>& results, std::vector<Cell> before, Table& table) const {
     if (!stacked()) return tabulate(results, std::move(before), table);
     for (std::size_t k = 0; k < results.size(); ++k) {
@@ -246,8 +247,9 @@ struct Result {
   /// row has the numbers of all of them side by side. A row begins with the names of its indices, one for
   /// each axis of the arrays; the last axis of a matrix is an exception, because its indices are the columns
   /// of the table. The function calls itself for each axis: `results` are then the parts of arrays at one
-  /// index on each of the first `axis` axes. `before` are the first cells of the first row. A matrix whose
-  /// columns are inertial parameters is written transposed.
+  /// index on each of the first `axis` axes. `before` are the cells before the indices, such as the name of a
+  /// frame. They are filled in the first row and empty in all other rows, so that a name is printed only
+  /// once. A matrix whose columns are inertial parameters is written transposed, without these cells.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {
