@@ -9,8 +9,10 @@
 
 namespace axode::command {
 
-/// Runs the steps of a contraction in their order. To count the operations on the critical path, LongestPath
-/// replaces this class.
+/// Runs the steps of a tree contraction one after the other, on one processor. A tree contraction computes
+/// forward dynamics in steps that join bodies to longer and longer chains, until all are joined to the
+/// ground. LongestPath has the same functions, and counts the operations on the critical path of steps that
+/// run in parallel.
 struct OneByOne {
   template <class F> void at(int, const F& f) { f(); }
   template <class F> void join(int, int, const F& f) { f(); }
