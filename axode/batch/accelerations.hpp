@@ -11,8 +11,9 @@
 
 namespace axode::batch {
 
-/// Computes the accelerations in one motion of a mechanism, without SIMD lanes: by compiled forward dynamics
-/// if the caller has it, otherwise by the library's functions. Models with loops need double precision.
+/// Computes the accelerations in one motion of a mechanism, without SIMD lanes. If the caller has forward
+/// dynamics that was compiled for the model (CompiledDynamics), it is used; otherwise the library's functions
+/// are. Models with loops need double precision.
 template <class S> class Accelerations {
  public:
   Accelerations(const Model& model, const CompiledDynamics<S>& compiled, bool damping)
@@ -23,8 +24,9 @@ template <class S> class Accelerations {
   /// The loops of the mechanism, or null.
   ClosedMotion* loops() const { return loops_.get(); }
 
-  /// Adds the forces of springs to the joint forces tau, and computes the accelerations a. Compiled dynamics
-  /// has no damping; if it is used, the forces of damping are added to tau as well.
+  /// Adds the forces of springs to the joint forces tau, and computes the accelerations a. Forward dynamics
+  /// that was compiled for the model leaves out damping. If it is used and damping acts, the forces of
+  /// damping are added to tau as well.
   Solvability compute(std::span<const S> q, std::span<const S> v, std::span<S> tau, std::span<S> a) {
     if (!model_->springs().empty()) add_spring_forces(*model_, workspace_, q, v, tau);
     const std::span<const S> forces = tau;

@@ -29,8 +29,9 @@ Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, st
                              const Monitor& monitor = {}, bool joint_losses = false,
                              const DriveMotions& drives = {});
 
-/// Integrates N motions with contact under a drive that all motions share, K steps of length `step` (s) each.
-/// Each thread has a copy of the drive. Throws std::invalid_argument if the drive is empty.
+/// Integrates N motions with contact, K steps of length `step` (s) each, under the drive forces that the
+/// function `drive` computes from the time and the state (q, v) of a motion. Each thread calls its own copy
+/// of `drive`. Throws std::invalid_argument if `drive` is an empty function object.
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                              std::span<const double> v, const Drive& drive, std::size_t K, double step,
                              std::span<double> q_out, std::span<double> v_out,
