@@ -89,15 +89,17 @@ bool is_identifier(std::string_view name);
 ///
 /// A function with the ending _jvp computes the directional derivative of tau (or a) along dq, dv and da (or
 /// dtau); _vjp and _hessian compute the gradient and the second derivatives of the sum of the entries of tau
-/// (or a) with the nv weights w. The derivatives by q, by v and by a (or tau) follow each other in dtau (or
-/// da), nv x nv numbers each, and in a gradient, nv numbers each. The blocks (q, q), (q, v), (v, v) and (a or
-/// tau, q) of a Hessian follow each other as well. M and its inverse are nv x nv. C has 12 numbers for each
-/// frame, the columns of R and then r. J is 6 x nv, row by row, angular before linear, in the body-fixed
-/// representation; the name of a function for another representation ends with it, as in
-/// PREFIX_jacobian_NAME_spatial. The functions of forward dynamics and of M_inverse return 0, or 1 if the
-/// mass matrix may be singular; their result is then unreliable. Arrays must not overlap. Armature and
-/// gravity are those of the model; joint losses and loads are left out. Results differ from the library's by
-/// rounding, for angles up to 1e5 rad.
+/// (or a) with the nv weights w. All matrices are stored row by row. In functions with the ending
+/// _derivatives, dtau (or da) has three nv x nv matrices one after the other: the derivatives by q, by v and
+/// by a (or tau), with a row for each entry of tau (or a). A gradient has the derivatives in the same order,
+/// nv numbers each. A Hessian has four nv x nv matrices one after the other, for the pairs of variables
+/// (q, q), (q, v), (v, v) and (a or tau, q), with a row for each entry of the first variable. M and its
+/// inverse are nv x nv. C has 12 numbers for each frame, the columns of R and then r. J is 6 x nv, angular
+/// before linear, in the body-fixed representation; the name of a function for another representation ends
+/// with it, as in PREFIX_jacobian_NAME_spatial. The functions of forward dynamics and of M_inverse return 0,
+/// or 1 if the mass matrix may be singular; their result is then unreliable. Arrays must not overlap.
+/// Armature and gravity are those of the model; joint losses and loads are left out. Results differ from the
+/// library's by rounding, for angles up to 1e5 rad.
 ///
 /// In CUDA, n states are stored side by side: entry k of state i is x[k n + i]. For each function there is a
 /// device function, which one thread calls with pointers to the first entries of its state,
