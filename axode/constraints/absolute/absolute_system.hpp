@@ -36,12 +36,12 @@ inline double largest_of(std::span<const double> numbers) {
 /// B and multipliers λ. The residual Φ of a joint is the relative pose of its bodies after the motion in the
 /// subgroup of SE(3) that the joint allows has been removed (D6.1).
 ///
-/// The coordinates are those of all bodies, with positions relative to the centre of mass of the first body
-/// in the reference configuration, and then one for each rotor. A rotor is an additional body with one
-/// coordinate. Its velocity is constrained to equal one joint velocity, and its inertia is the armature of
-/// this joint velocity. Every joint velocity with armature has a rotor, so that M is constant. Every angle of
-/// a revolute or planar joint has a rotor too: the rotor's coordinate counts the whole turns, which poses do
-/// not determine.
+/// The coordinates are those of all bodies, and then one for each rotor. Positions are relative to a fixed
+/// point in space: the centre of mass of the first body if the coordinates of its joint are 0 (or the
+/// identity quaternion). A rotor is an additional body with one coordinate. Its velocity is constrained to
+/// equal one joint velocity, and its inertia is the armature of this joint velocity. Every joint velocity
+/// with armature has a rotor, so that M is constant. Every angle of a revolute or planar joint has a rotor
+/// too: the rotor's coordinate counts the whole turns, which poses do not determine.
 ///
 /// B has six rows for each joint, in the axes of the joint, then one row for each rotor, and then those of
 /// the loops. A row of an axis about or along which the joint moves freely is 0. In a coupled joint, whose
@@ -69,7 +69,8 @@ class AbsoluteSystem {
   int rows(ConstraintLevel level) const { return first_loop(level) + loops_.size(level); }
 
   /// Convert coordinates and velocities of the joints to those of the bodies and rotors (additional bodies
-  /// whose velocity is constrained to equal one joint velocity), and back. Angles keep their whole turns.
+  /// whose velocity is constrained to equal one joint velocity), and back. The whole turns of joint angles,
+  /// which poses of bodies do not determine, are kept in the coordinates of the rotors.
   void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
   void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
   /// Computes the absolute coordinates q and velocities v of the bodies and rotors from poses C and
@@ -114,22 +115,23 @@ class AbsoluteSystem {
   /// dry friction act if loads.joint_losses is set.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
-  /// factorize() evaluates the kinematics at q and factorises the linear system of solve(): the mass matrix
-  /// and the rows of the constraint Jacobian B at a level. At the velocity level these are all rows, and at
-  /// the position level all except those of nonholonomic constraints, such as no-slip conditions. For a q at
-  /// which the loops are closed, factorize_with_rank() factorises the system at the velocity level and
-  /// determines which loop equations are redundant; solve() sets their multipliers to 0, also after later
-  /// factorisations.
+  /// factorize() evaluates the kinematics at q and factorises the linear system M x - Bᵀ λ = r, B x = rhs of
+  /// solve(), with the mass matrix M and the rows of the constraint Jacobian B at a level. At the velocity
+  /// level these are all rows, and at the position level all except those of nonholonomic constraints, such
+  /// as no-slip conditions. For a q at which the loops are closed, factorize_with_rank() factorises the
+  /// system at the velocity level and determines which loop equations are redundant; solve() sets their
+  /// multipliers to 0, also after later factorisations.
   Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
-  /// Factorises the linear system of solve() with rows for all constraints, nonholonomic ones included, and
-  /// with resistances of the joints (nv of the model) that act like armatures: if joint velocity c changes by
-  /// x_c, the joint exerts -resistance_c x_c.
+  /// Factorises the linear system M x - Bᵀ λ = r, B x = rhs of solve() with the mass matrix M of the bodies
+  /// and rotors and all rows of the constraint Jacobian B, nonholonomic ones included. Resistances (one for
+  /// each velocity of the model, kg m² or kg) are added to the system like armatures: the joint exerts the
+  /// force -resistance_c x_c for the joint velocity x_c in the solution x.
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
   /// Solves M x - Bᵀ λ = r and B x = rhs for x and λ, with the mass matrix M and the constraint Jacobian B of
   /// the last factorisation. The multipliers of loop equations that factorize_with_rank() found redundant are
-  /// 0. If the other loop equations are dependent, their multipliers λ_k approximate those with the least
-  /// Σ d_k² λ_k² (D7.8), where d_k is the size of equation k, see LoopSystem::factorize_rows().
+  /// 0. If the other loop equations are dependent, their multipliers λ_k approximate those with the least Σ
+  /// d_k² λ_k² (D7.8). d_k² is about the rate of loop equation k that its own multiplier λ_k = 1 causes.
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
   /// How far the loop equations were from linear dependence in the last solve(), from 0 (dependent) to 1.
   double weakest_row() const { return loops_.weakest_row(); }

@@ -116,8 +116,10 @@ class LimbPack {
   /// equations of the limb in lane l, after resolve() has eliminated the limb's dependent velocities.
   double carrying_entry(int l, int i, int c) const { return A_.lane(i * columns() + velocities() + c, l); }
 
-  /// Sets the right side -γ of the loop equations (m numbers for all loop equations; null for zeros) and
-  /// applies the row operations of the elimination to it.
+  /// Sets the right side -γ of the loop equations A x = -γ of the limbs (chains that carry the platform) in
+  /// this pack, where x are joint velocities or accelerations and A is the Jacobian of the equations. `gamma`
+  /// has γ for all m loop equations of the mechanism, or is null for γ = 0. The row operations with which
+  /// resolve() has eliminated the dependent velocities from A are applied to the right side as well.
   void set_right_side(const double* gamma) noexcept {
     if (gamma == nullptr) return b_.clear();
     for (int l = 0; l < size(limbs_); ++l)

@@ -104,9 +104,13 @@ struct LocalMobility {
   /// the loop equations can be satisfied up to that order.
   std::vector<int> mobility_by_order;
   int settled_at_order = 0;  ///< order from which on mobility_by_order does not change
-  bool settled = false;      ///< whether the mobility by order, the branches and their closed points agree
-  int local_mobility = 0;    ///< largest dimension of a branch
-  int rigid_at_order = 0;    ///< first order with mobility 0 if nothing moves; otherwise 0
+  /// Whether three results agree. The mobility of the highest order K is the largest dimension of a branch (a
+  /// smooth set of configurations with closed loops; 0 if there is none), or some branch is a cusp. Newton's
+  /// method finds closed configurations on every branch, and terms of order above K cannot end the branch.
+  /// Every closed configuration that Newton's method finds near q lies on a branch.
+  bool settled = false;
+  int local_mobility = 0;  ///< largest dimension of a branch
+  int rigid_at_order = 0;  ///< first order with mobility 0 if nothing moves; otherwise 0
   /// The polynomial conditions of degree 2 or more that the loop equations put on velocities, up to the order
   /// K of the power series of the loop equations about q. They are sorted by their lowest degree. The terms
   /// of lowest degree of those conditions that begin with the same degree are linearly independent
@@ -136,9 +140,10 @@ struct LocalMobility {
 /// apply, "rigid", "branch point", "cusp", "kinematotropic", "kinematic singularity", "shaky" and "rigid at
 /// order m"; "regular" if none of these applies and the result is settled; "dead point of NAME" for a driven
 /// (not passive) joint that has no velocity at the configuration but moves near it; "idle drive of NAME" for
-/// a driven joint that rests along a branch of motions; "not settled up to order K" if the mobility by order,
-/// the branches and their closed points do not agree up to order K of the loop equations, otherwise the
-/// result is settled; "no loops" for a mechanism without loops and couplings.
+/// a driven joint that rests along a branch of motions; "not settled up to order K" if the result is not
+/// settled; "no loops" for a mechanism without loops and couplings. The result is settled if the expansion of
+/// the loop equations up to order K gives branches (smooth sets of configurations with closed loops) that
+/// Newton's method confirms, and misses none; see LocalMobility::settled.
 std::vector<std::string> mobility_words(const Model& model, const LocalMobility& found);
 
 /// Finds how a mechanism with loops can move from a closed configuration q (nq): the dimension of the

@@ -85,8 +85,9 @@ class Walker {
         each_screw(tree_, i, at(i), [&](int c, const Screw<>&) { coordinate_[index(c)] = 0; });
   }
 
-  /// Makes a coordinate for every joint velocity whose entry in coordinate_ is not -1, and collects the
-  /// indices of all other velocities in `outside`.
+  /// Makes a coordinate of the closure equations for each joint velocity in a loop or coupling. Its entry in
+  /// coordinate_, until now only a mark 0, receives the index of the coordinate. The indices of all other
+  /// velocities, with the entry -1, are collected in `outside`.
   void number_velocities() {
     const std::vector<std::string> names = velocity_names(model_);
     std::vector<char> angular(names.size(), 0);

@@ -19,9 +19,11 @@ namespace {
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
-/// The multipliers are computed without the filter μ if each pivot in the Cholesky factorisation of A M⁻¹ Aᵀ
-/// is larger than this fraction of d², where d is the size of the pivot's equation, see LoopSystem::scale().
-/// A is the Jacobian of the loop equations, and M the mass matrix of the spanning tree.
+/// The multipliers λ of the loop equations are computed from A M⁻¹ Aᵀ λ = -b by Cholesky factorisation. If a
+/// pivot is not larger than this fraction of d², the diagonal entries of A M⁻¹ Aᵀ are increased by the filter
+/// μ times themselves; otherwise they are not changed. For the equation of the pivot, d² is the diagonal
+/// entry of A M⁻¹ Aᵀ, but not less than a limit. A is the Jacobian of the loop equations, and M the mass
+/// matrix of the spanning tree.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
 /// An equation of a loop joint counts as rounding errors, and is replaced by zeros so that its multiplier is
 /// 0, if g is less than this fraction of its size d (D7.7). Here g² is the diagonal entry of A M⁻¹ Aᵀ for the

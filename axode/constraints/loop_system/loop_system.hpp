@@ -193,7 +193,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0 and a given b (one number for
   /// each equation), with the mass matrix M of the spanning tree. The multipliers of equations that are
   /// redundant according to `rank` are 0. If the other equations are dependent or nearly so, λ approximates
-  /// the solution with the least Σ d_k² λ_k², where d_k is the size of equation k, see scale() (D7.8).
+  /// the solution with the least Σ d_k² λ_k² (D7.8), where d_k² is the diagonal entry of A M⁻¹ Aᵀ for
+  /// equation k, but not less than a limit.
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
   /// Sets a small number μ, the filter, from the residual of the loops at q. Later solutions for multipliers
   /// have no part in directions in which A M⁻¹ Aᵀ is small compared with μ times its diagonal entries (D7.9).
@@ -201,10 +202,10 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void set_filter(const T* q, const RowRank& rank) noexcept;
   /// A number from 1 (independent) to 0 (dependent) for the loop equations A v = 0 of the last computation of
   /// multipliers. It is the least ratio of a pivot in the factorisation of A M⁻¹ Aᵀ, with the mass matrix M,
-  /// to d², where d is the size of the pivot's equation, see scale(); but 1 if all these ratios are larger
-  /// than 1e-3 (float: 1e-2). Equations that the RowRank of that computation marks as redundant do not count.
-  /// If the number is near 0, the configuration is nearly singular, and the accelerations are those of a
-  /// mechanism with more degrees of freedom.
+  /// to d², the diagonal entry of A M⁻¹ Aᵀ for the equation of the pivot, but not less than a limit. If all
+  /// these ratios are larger than 1e-3 (float: 1e-2), the number is 1. Equations that determine_rank() had
+  /// found redundant do not count. If the number is near 0, the configuration is nearly singular, and the
+  /// accelerations are those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -275,9 +276,11 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void update_loops() noexcept;      ///< updates joint screws and loop ends
   void update_loop_ends() noexcept;  ///< updates only the frames of the loop joints
   void make_entries() noexcept;
-  /// Factorises the mass matrix LᵀD L of the spanning tree, and computes Y = D^-½ L⁻ᵀ Aᵀ and Yᵀ Y for the
+  /// Factorises the mass matrix M = LᵀD L of the spanning tree, and computes Y = D^-½ L⁻ᵀ Aᵀ and Yᵀ Y for the
   /// Jacobian A of the loop equations: of all equations for velocities or, at the position level, of the
-  /// position residuals. Also sets the filter, see set_filter(). The kinematics must have been updated to q.
+  /// position residuals. Also sets the filter, a small number μ: if equations are nearly dependent, each
+  /// diagonal entry of A M⁻¹ Aᵀ is increased by μ times itself (D7.9). The kinematics must have been updated
+  /// to q.
   Solvability prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept;
   /// Computes w = D^-½ L⁻ᵀ x for x (nv), and stores it in w_.
   void pull(const T* x) noexcept;
@@ -289,10 +292,12 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Calls f(row) for those rows of the present level that are redundant in `rank`.
   template <class F> void each_redundant(const RowRank& rank, const F& f) const;
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0 by one Cholesky
-  /// factorisation, with the mass matrix M and a given b. Returns false, without λ, if a pivot of an
-  /// independent equation is too small.
+  /// factorisation, with the mass matrix M and a given b. The multipliers of equations that are redundant
+  /// according to `rank` are 0. Returns false, without λ, if the pivot of another equation is at most 1e-3
+  /// (float: 1e-2) of its diagonal entry of A M⁻¹ Aᵀ, or of a lower limit of this entry.
   bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
-  /// Solves G λ = -b by the proximal iteration (D7.8).
+  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0, which may be dependent, by
+  /// the proximal iteration (D7.8), with the mass matrix M and a given b.
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Sets up the linear system A M⁻¹ Aᵀ λ = -b of the multipliers λ for a given b, with the Jacobian A of the
   /// loop equations and the mass matrix M of the tree. Each diagonal entry is increased by `filter` times
@@ -337,8 +342,10 @@ template <class T> class AXODE_ENTRY LoopSystem {
 
     explicit TreeDynamics(Arena& arena) : recursion(arena), bodies(arena) {}
   };
-  /// Scratch memory of accelerate_fast() and force_fast(), whose size depends on the SIMD instruction set. It
-  /// also has the motion of the bodies about the origins of their root bodies (those joined to the ground).
+  /// Scratch memory of accelerate_fast() and force_fast(), whose size depends on the SIMD instruction set.
+  /// For each body it has the position r of the origin relative to that of its root body (the one joined to
+  /// the ground) and the velocity v of the origin; force_fast() also uses the rotation R and the angular
+  /// velocity w. All are in inertial axes.
   struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
     struct OriginMotion {

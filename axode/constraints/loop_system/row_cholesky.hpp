@@ -51,8 +51,9 @@ template <class T> class RowCholesky {
   void factorize(Eigen::Index m) noexcept {
     factorize(m, [](Eigen::Index, const T&) { return true; });
   }
-  /// Computes the solution x for the right side that is stored in column m of the matrix, and sets this
-  /// column to 0. x must have memory for m numbers, rounded up to whole blocks of eight.
+  /// Computes the solution x of A x = b with the factorised matrix A = Rᵀ D R, for the right side b that was
+  /// in column m of the memory before factorize(). Sets this column to 0. x must have memory for m numbers,
+  /// rounded up to whole blocks of eight.
   void solve_right_side(Eigen::Index m, Eigen::VectorX<T>& x) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       x[k] = R_(k, m);
