@@ -45,11 +45,11 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
 /// at most `rounds` proximal steps (D10.7). A candidate is a unit normal n, the width s of the gap between
 /// the cores along n, and weighted points of the difference of the cores, which is the set of all b - a with
 /// points a and b of the two cores. The residual of c is the distance of the weighted mean of its points from
-/// s n. A step shifts the difference along n by pair.step, or by pair.step - s if s is negative, so that it
-/// does not contain the origin. The new normal is the direction of the point of least norm of the shifted
-/// difference. For cylinders and ellipsoids, the first steps compute this point only roughly. The function
-/// ends early if the residual is a rounding error, or if a step with a point that is exact to rounding does
-/// not improve c.
+/// s n. A step shifts the difference along n by pair.step, 0.5 % of the radius of a ball around the smaller
+/// body, or by pair.step - s if s is negative, so that it does not contain the origin. The new normal is the
+/// direction of the point of least norm of the shifted difference. For cylinders and ellipsoids, the first
+/// steps compute this point only roughly. The function ends early if the residual is a rounding error, or if
+/// a step with a point that is exact to rounding does not improve c.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {

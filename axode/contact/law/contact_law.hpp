@@ -6,7 +6,8 @@
 namespace axode {
 
 /// The law between the velocities u after a step and the impulses λ of a block of constraint rows. For a
-/// contact, the indices N and T mean the normal row and the friction rows.
+/// contact, the indices N and T mean the normal row and the friction rows, which are multiplied by their
+/// coefficients of friction.
 enum class ContactLaw {
   contact,       ///< 0 ≤ λ_N ⊥ u_N ≥ 0, and Coulomb's cone |λ_T| ≤ λ_N with u_T = -s λ_T, s ≥ 0
   stop,          ///< 0 ≤ λ ⊥ u ≥ 0
@@ -54,8 +55,9 @@ LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
 /// Writes to `lambda` the projection of the trial impulse z of a block of constraint rows, for a convex
 /// approximation of the law in which contacts separate when they slide. For a contact it is the projection of
-/// z on the friction cone |λ_T| ≤ λ_N. For a stop, dry friction, a loop and a contact with a given normal
-/// impulse it is resolve(z), the nearest impulse to z that the exact law allows.
+/// z on the friction cone |λ_T| ≤ λ_N, where λ_N belongs to the normal row and λ_T to the friction rows,
+/// which are multiplied by their coefficients of friction. For a stop, dry friction, a loop and a contact
+/// with a given normal impulse it is resolve(z), the nearest impulse to z that the exact law allows.
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 /// Calls f with the number of rows of a block as a compile-time constant.

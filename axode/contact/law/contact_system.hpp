@@ -174,8 +174,9 @@ class ContactSystem {
   /// memory for the block's part of J, filled with zeros, and sets Y to the memory for its part of D^-½ L⁻ᵀ
   /// Jᵀ, with the mass matrix M = Lᵀ D L; both have the same layout.
   double* add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant = false);
-  /// Adds the constraint rows of a contact. The normal force of a compliant contact is an additional unknown
-  /// unless its impulse is given; `compliance` is the index of this unknown, and is then increased.
+  /// Adds the constraint rows of a contact. If the contact is compliant, its normal force is an additional
+  /// unknown, unless Contact::normal_impulse has its impulse. `compliance` is the index of this unknown, and
+  /// is then increased.
   void add_contact(const Contact& contact, int& compliance);
   void add_unit_row(ContactLaw law, int velocity, double side, double bound);
   void add_loops(const double* q);

@@ -3,14 +3,17 @@
 
 namespace axode {
 
-/// The derivative of the solution of a VelocityProblem along given directions, a column for each direction. A
-/// direction is a change of the data w, Y and r of the problem.
+/// The derivative of the multipliers λ and the motion w + Y λ that solve a contact problem, a column for each
+/// given change (direction) of the data w, Y and r of the problem. With the mass matrix Lᵀ D L, w is D^½ L v
+/// for the joint velocities v without impulses, and Y = D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the constraint
+/// rows. r is a given velocity for each row, such as that with which a contact bounces.
 struct ProblemDerivative {
   Eigen::MatrixXd multipliers;  ///< dλ of rows scaled by friction coefficients, rows × directions
   Eigen::MatrixXd motion;       ///< d(w + Y λ), nv × directions
-  /// Whether the motion w + Y λ has a derivative along each given change of the data w, Y and r of a contact
-  /// problem. It may have none if contacts that slide are redundant, so that the laws do not determine how
-  /// they share a load, or if the prescribed velocities r of redundant contacts change in contradictory ways.
+  /// Whether the velocities after the impulses have a derivative along each given change of the data of a
+  /// contact problem. They may have none if contacts that slide are redundant, so that the laws do not
+  /// determine how they share a load. They may also have none if the velocities that are given for redundant
+  /// contacts, such as those with which they bounce, change in contradictory ways.
   bool unique = true;
   /// Whether a contact, stop or joint with friction is within rounding of the boundary between two branches
   /// of its law, such as stick and slide. The derivative is then that of the branch that was taken.

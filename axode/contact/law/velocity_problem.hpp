@@ -82,9 +82,9 @@ class VelocityProblem {
   const std::vector<double>& squared_scales() const { return d2_; }
   /// Whether an impulse of a constraint row changes the motion; it is known after finish(). It is false only
   /// for a row of a loop whose Jacobian is 0 up to rounding, because joints of the tree satisfy the
-  /// constraint in any motion. finish() sets the column of Y and the number r of such a row to 0, in the
-  /// velocities u = Yᵀ (w + Y λ) + r of the rows. A caller that changes Y or r afterwards must leave both 0
-  /// for this row.
+  /// constraint in any motion. finish() sets two data of such a row to 0: its column of Y = D^-½ L⁻ᵀ Jᵀ, with
+  /// the Jacobian J of the rows and the mass matrix Lᵀ D L, and its given velocity r. A caller that changes Y
+  /// or r afterwards must leave both 0 for this row.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.

@@ -20,10 +20,10 @@ struct [[nodiscard]] VelocitySolution {
 /// allows, and d² is about the diagonal entry of J M⁻¹ Jᵀ for a row, with the Jacobian J of the rows and the
 /// mass matrix M. The solver makes proximal steps: from multipliers λ_0, a step solves λ = resolve(λ_0 - u/R)
 /// by Newton's method, with a factor R for each row (D11.8). Near the solution, Newton's method is applied to
-/// the laws themselves (D11.9). If the relative error of the laws, the certificate, stays above 1e-9, the
-/// solver starts again: from 0, from the results of alternating directions (D11.10), from solutions of easier
-/// problems with compliant contacts (D11.10a), and from disturbed multipliers. The result is the multipliers
-/// with the least certificate.
+/// the laws themselves (D11.9). If the certificate (the error of the laws relative to the velocities of the
+/// mechanism) stays above 1e-9, the solver starts again: from 0, from the results of alternating directions
+/// (D11.10), from solutions of easier problems with compliant contacts (D11.10a), and from disturbed
+/// multipliers. The result is the multipliers with the least certificate.
 ///
 /// The unknowns of Newton's method are velocities or multipliers, whichever takes fewer operations. Matrices
 /// for velocities are sparse, because a contact couples only the velocities that move its two bodies. They
@@ -39,11 +39,12 @@ class VelocitySolver {
   using Monitor = std::function<bool()>;
 
   /// Improves the multipliers `lambda` of the constraint rows from their given values, until the certificate
-  /// (the relative error of the laws) is at most `tolerance` or the iteration stalls. `lambda` has a number
-  /// for each scaled row: friction rows are multiplied by their coefficients of friction. If the certificate
-  /// is then above 1e-9, the solver starts again from other multipliers. It calls `monitor`, unless this is
-  /// empty, before each new start and repeatedly while it looks for starts, and ends if `monitor` returns
-  /// false. reserve() must have been called before. Allocates nothing, and throws only what `monitor` throws.
+  /// (the error of the laws relative to the velocities of the mechanism) is at most `tolerance` or the
+  /// iteration stalls. `lambda` has a number for each scaled row: friction rows are multiplied by their
+  /// coefficients of friction. If the certificate is then above 1e-9, the solver starts again from other
+  /// multipliers. It calls `monitor`, unless this is empty, before each new start and repeatedly while it
+  /// looks for starts, and ends if `monitor` returns false. reserve() must have been called before. Allocates
+  /// nothing, and throws only what `monitor` throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
@@ -65,10 +66,11 @@ class VelocitySolver {
     double mu = 1e-2;  ///< number μ with R = μ d² in the first proximal step
     int patience = 0;  ///< see polish()
   };
-  /// Improves the multipliers λ. It makes proximal steps (D11.8) and, while the certificate (the relative
-  /// error of the laws) is below 1e-2, tries Newton's method on the laws (D11.9). Returns the certificate.
+  /// Improves the multipliers λ. It makes proximal steps (D11.8) and, while the certificate (the error of the
+  /// laws relative to the velocities of the mechanism) is below 1e-2, tries Newton's method on the laws
+  /// (D11.9). Returns the certificate.
   double newton(double* lambda, double tolerance, const NewtonOptions& options) noexcept;
-  /// Whether to go on: the relative error of the laws is above `accepted`, and the monitor has not ended it.
+  /// Whether to go on: the least certificate is above `accepted`, and the monitor has not ended the search.
   bool searches();
   /// Runs Newton's method from start_, and keeps the result if its error of the laws is the least so far.
   void improve(double tolerance, const NewtonOptions& options) noexcept;
@@ -83,12 +85,13 @@ class VelocitySolver {
   template <class Residual>
   bool search(const Vector& from, const Vector& direction, Vector& to, double& norm,
               const Residual& residual) noexcept;
-  /// Improves the multipliers λ of the constraint rows by Newton's method for the laws of contact λ =
-  /// resolve(λ - u/d²) (D11.9), where u are the velocities of the rows for λ, `resolve` maps a trial impulse
-  /// to the impulse that the law allows, and d² is about the diagonal entry of J M⁻¹ Jᵀ for a row, with the
-  /// Jacobian J of the rows and the mass matrix M. Ends when the certificate, the relative error of the laws,
-  /// is at most `tolerance`, after more than `patience` steps that do not halve its least value, or after 8 +
-  /// 2 patience steps. Returns the least certificate; `lambda` receives λ.
+  /// Improves the multipliers λ of the constraint rows by Newton's method for the laws of contact
+  /// λ = resolve(λ - u/d²) (D11.9), where u are the velocities of the rows for λ, `resolve` maps a trial
+  /// impulse to the impulse that the law allows, and d² is about the diagonal entry of J M⁻¹ Jᵀ for a row,
+  /// with the Jacobian J of the rows and the mass matrix M. Ends when the certificate, the error of the laws
+  /// relative to the velocities of the mechanism, is at most `tolerance`, after more than `patience` steps
+  /// that do not halve its least value, or after 8 + 2 patience steps. Returns the least certificate of all
+  /// λ, including the first, and writes the λ that has it to `lambda`.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
   /// Makes the matrix B of Newton's method for each block of constraint rows (such as the rows of one
@@ -117,12 +120,13 @@ class VelocitySolver {
   void multiply_blocks(Vector& a) const noexcept;
 
   /// Runs the alternating direction method of multipliers (D11.10) from λ = 0, and writes the multipliers
-  /// with the least certificate (the relative error of the laws) to `lambda`. Each iteration maps the trial
-  /// impulses of every block of constraint rows (such as the rows of one contact) to impulses that the law of
-  /// the block allows. If `on_laws`, this map is resolve(), with which λ and the velocities u of the rows
-  /// obey the exact law if and only if λ = resolve(λ - u/R), for any R > 0. Otherwise it is the projection on
-  /// the friction cone, and the norm of the velocities of the friction rows, times their coefficients, is
-  /// added to the normal velocity of each contact (De Saxcé's form of the law).
+  /// with the least certificate (the error of the laws relative to the velocities of the mechanism) to
+  /// `lambda`. Each iteration maps the trial impulses of every block of constraint rows (such as the rows of
+  /// one contact) to impulses that the law of the block allows. If `on_laws`, this map is resolve(), with
+  /// which λ and the velocities u of the rows obey the exact law if and only if λ = resolve(λ - u/R), for any
+  /// R > 0. Otherwise it is the projection on the friction cone, and the norm of the velocities of the
+  /// friction rows, times their coefficients, is added to the normal velocity of each contact (De Saxcé's
+  /// form of the law).
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;
   double largest_eigenvalue() noexcept;

@@ -98,12 +98,13 @@ double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const F
 }
 
 /// Adds two contact points of the segments a and b, which are axes of capsules or lines on the sides of
-/// cylinders. n is the unit vector from a to b. The points are at both ends of the part that the segments
-/// have in common when projected onto the direction of a across n. Their gap (m, negative if the bodies
-/// overlap) is h - r_a - r_b + e² / (2 ρ), where h and e are the distances of the segments along n and across
-/// n, and r_a and r_b are the radii of capsules, 0 for cylinders. ρ is the sum of the radii of curvature of
-/// both surfaces across the segments. Returns the least gap, or infinity if the common part is shorter than
-/// 1e-3 of the shorter segment.
+/// cylinders. n is the unit vector from a to b. Both segments are projected on the direction of the part of a
+/// that is perpendicular to n. The contact points are at both ends of the interval that the projections have
+/// in common. The gap at such an end (m, negative if the bodies overlap) is h - r_a - r_b + e² / (2 ρ). h is
+/// the component along n, and e the length perpendicular to n, of the vector from the point of a to the point
+/// of b with this projection. r_a and r_b are the radii of capsules, 0 for cylinders. ρ is the sum of the
+/// radii of curvature of both surfaces across the segments. Returns the least gap, or infinity if the common
+/// part is shorter than 1e-3 of the shorter segment.
 template <class T>
 double clip_segments(const Feature<T>& a, const Feature<T>& b, const FacingFeatures<T>& features,
                      PointList<T>& out) noexcept {
