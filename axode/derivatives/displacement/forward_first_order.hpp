@@ -4,19 +4,22 @@
 
 namespace axode {
 
-/// The derivatives ∂τ/∂q and ∂τ/∂v of inverse dynamics side by side, for products with them. Their entries
-/// are non-zero only for pairs of velocities on one path to the ground.
+/// The derivatives ∂τ/∂q and ∂τ/∂v of inverse dynamics side by side, and their products with the inverse mass
+/// matrix. The entries of the derivatives are non-zero only for pairs of velocities on one path to the
+/// ground.
 template <class T> struct ForcesByState {
   using L = Lanes<T>;
   using Number = typename L::Number;
-  /// The largest number of velocities for which these products are faster than articulated bodies. Trees with
-  /// more velocities have no memory for them.
+  /// The largest number of velocities for which the derivatives -M⁻¹ ∂τ/∂q and -M⁻¹ ∂τ/∂v of the
+  /// accelerations are computed as products of matrices, with the mass matrix M and the forces τ of inverse
+  /// dynamics. For trees with more velocities, articulated bodies are faster, and memory for the products is
+  /// not allocated.
   static constexpr int most_velocities = 100;
 
   std::ptrdiff_t stride;  ///< numbers in a row of one matrix, filled up to whole registers
   T* by_state;            ///< ∂τ/∂q and ∂τ/∂v side by side
-  Number* entries;        ///< the rows of some columns of them that are not 0, ∂τ/∂q before ∂τ/∂v
-  std::ptrdiff_t* rows;   ///< offsets of the same rows in the other factor
+  Number* entries;        ///< the non-zero rows of some columns of -∂τ/∂q and -∂τ/∂v, in turn
+  std::ptrdiff_t* rows;   ///< offsets of the same rows in the matrix A of multiply()
 
   explicit ForcesByState(Arena& arena)
       : stride((arena.topology().nv + L::width - 1) / L::width * L::width),
@@ -41,8 +44,9 @@ template <class T> struct ForcesByState {
   }
 
  private:
-  /// Writes the columns c, c + 1, ... of the products, one in each lane. The columns after them must have
-  /// been written before.
+  /// Writes the columns c, c + 1, ... of -Aᵀ ∂τ/∂q to dq and of -Aᵀ ∂τ/∂v to dv, one column in each SIMD
+  /// lane. Lanes beyond the last column overwrite the first columns of the next row. Columns with larger
+  /// indices must therefore have been written before.
   void multiply(const Topology& topology, const T* A, int c, T* dq, T* dv) noexcept {
     constexpr int at_once = 4;  // rows of each result, so that no sum waits for another one
     const int nv = topology.nv;

@@ -128,8 +128,10 @@ template <class T> struct MovingScrews {
   struct OfBody {
     static constexpr int R_x = 0, R_y = 4, R_z = 8, r = 12, w = 16, v = 20, dw = 24, dv = 28;
   };
-  /// Offsets of the six-vectors of a MovingColumn in a row of `columns`, the array with one row for each
-  /// joint screw. The offset is that of the angular part; the linear part begins four numbers later.
+  /// Offsets of the six-vectors in a row of `columns`, the array with one row for each joint screw: the screw
+  /// S, the twist V_p of the joint's predecessor, the rate dV_p of this twist with gravity included, and the
+  /// twist V of the body that the joint moves. The offset is that of the angular part; the linear part begins
+  /// four numbers later.
   struct OfColumn {
     static constexpr int S = 0, V_p = 8, dV_p = 16, V = 24;
   };
