@@ -71,9 +71,11 @@ template <class T> struct MotionTo {
     for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
   }
 
-  /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place (a frame on a body). V
-  /// is the twist of the place, and the derivatives are those along the direction of velocity c, to which J
-  /// belongs, as body-fixed twists. Coupled joints have the same c.
+  /// Calls f(c, J, V_q, dV_q, dV_v) for every joint screw J that moves the place (a frame on a body). J
+  /// belongs to velocity c. V_q, dV_q and dV_v are the contributions of J to ∂V/∂q, ∂V'/∂q and ∂V'/∂v along
+  /// the direction of velocity c, where V is the twist of the place. All are body-fixed twists. If coupled
+  /// joints share velocity c, f is called for the screw of each of them, and the derivatives are the sums of
+  /// these contributions.
   template <class F> void each_column(const F& f) const noexcept {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i

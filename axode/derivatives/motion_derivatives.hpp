@@ -5,25 +5,26 @@
 namespace axode {
 
 /// Receives the derivatives by q and v of the twist V of a place, which is a frame on a body, and of the time
-/// derivative V' of the components of V. Each of the four spans has nv twists, one for each direction of q or
-/// v. The spans must not overlap.
+/// derivative V' of the components of V. Components are those of the representation Rep. Each of the four
+/// spans has nv twists, one for each direction of q or v. The spans must not overlap.
 template <class Rep, class T> struct MotionDerivatives {
   std::span<Twist<Rep, T>> V_q, V_v;  ///< ∂V/∂q and ∂V/∂v; ∂V/∂v is the Jacobian and equal to ∂V'/∂a
   std::span<Twist<Rep, T>> dV_q, dV_v;  ///< ∂V'/∂q and ∂V'/∂v
 };
 
-/// Computes the partial derivatives of the components of the twist V(q, v) of a place and of their time
-/// derivative V'(q, v, a), without gravity. A place is a frame on a body. Direction k of q is q ⊕ ε e_k.
-/// O(n), no allocation. Throws std::invalid_argument for a wrong size, quaternions that are not of unit norm,
-/// a frame that does not exist and results that overlap.
+/// Computes the partial derivatives by q and v of the twist V(q, v) of a place and of the time derivative
+/// V'(q, v, a) of its components, without gravity. A place is a frame on a body. The representation Rep
+/// (body-fixed, spatial, hybrid or mixed) determines the axes and the reference point of the components.
+/// Direction k of q is q ⊕ ε e_k. O(n), no allocation. Throws std::invalid_argument for a wrong size,
+/// quaternions that are not of unit norm, a frame that does not exist and results that overlap.
 template <RecursionRepresentation Rep, class T>
 void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                         const std::type_identity_t<Place<T>>& place,
                         const std::type_identity_t<MotionDerivatives<Rep, T>>& d);
 
 /// The change of the motion of a place, a frame on a body, along one direction: the displacement X of its
-/// pose C, which becomes C exp(ε X^), and the changes of the components of its twist V and of their time
-/// derivative V'.
+/// pose C, which becomes C exp(ε X^), in body-fixed components, and the changes of the components of its
+/// twist V and of their time derivative V', both in the representation Rep.
 template <class Rep, class T> struct MotionChange {
   Twist<BodyFixed, T> X;
   Twist<Rep, T> V, dV;
@@ -35,15 +36,17 @@ MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Num
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& place, Numbers<T> dq,
                                 Numbers<T> dv, Numbers<T> da);
 
-/// Weights of the components of a MotionChange: of the displacement X of the pose, of the twist V and of its
-/// time derivative V'.
+/// Weights of the components of a MotionChange: of the infinitesimal displacement X of a pose C, which
+/// becomes C exp(ε X^), in body-fixed components, and of the twist V and its time derivative V' in the
+/// representation Rep.
 template <class Rep, class T> struct MotionWeights {
   Wrench<BodyFixed, T> X;
   Wrench<Rep, T> V, dV;
 };
-/// Receives the gradients, with respect to q, v and a (nv entries each), of a weighted sum of the components
-/// of the displacement, the twist and the twist rate of a place, which is a frame on a body. The three spans
-/// must not overlap.
+/// Receives the gradients by q, v and a (nv entries each) of a function of the motion of a place, which is a
+/// frame on a body. The function is a weighted sum of the components of the twist of the place, of their time
+/// derivative, and of an infinitesimal displacement of the place from its present pose, in body-fixed
+/// components. The three spans must not overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
 /// Computes the gradient, with respect to q, v and a, of the sum w.X · X + w.V · V + w.dV · V' for a place,
 /// which is a frame on a body. X is the infinitesimal displacement of its pose C, which becomes C exp(ε X^),

@@ -14,8 +14,10 @@
 /// derivative along the bracket [e_k, e_l]. Results must not overlap.
 namespace axode {
 
-/// Receives the second derivatives of Σ_i w_i τ_i, the forces of inverse dynamics with weights w, along the
-/// pairs of directions (q, q), (q, v), (v, v) and (a, q). Those along (v, a) and (a, a) are 0.
+/// Receives the second derivatives of Σ_i w_i τ_i, the forces of inverse dynamics with weights w, by the
+/// pairs of variables (q, q), (q, v), (v, v) and (a, q): for each pair a matrix of nv × nv numbers, row by
+/// row, with a row for each component of the first variable. The second derivatives by (v, a) and (a, a) are
+/// 0.
 template <class T> struct InverseDynamicsHessian { std::span<T> qq, qv, vv, aq; };
 /// Computes the second derivatives of Σ_i w_i τ_i, the forces of inverse dynamics with weights w, at (q, v,
 /// a). O(n d) on paths of d velocities, no allocation; takes less than twice as long as the first
@@ -26,8 +28,10 @@ void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbe
                               const std::type_identity_t<InverseDynamicsHessian<T>>& hessian,
                               const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Receives the second derivatives of Σ_i w_i a_i, the accelerations of forward dynamics with weights w,
-/// along the pairs of directions (q, q), (q, v), (v, v) and (τ, q). Those along (τ, v) and (τ, τ) are 0.
+/// Receives the second derivatives of Σ_i w_i a_i, the accelerations of forward dynamics with weights w, by
+/// the pairs of variables (q, q), (q, v), (v, v) and (τ, q): for each pair a matrix of nv × nv numbers, row
+/// by row, with a row for each component of the first variable. The second derivatives by (τ, v) and (τ, τ)
+/// are 0.
 template <class T> struct ForwardDynamicsHessian { std::span<T> qq, qv, vv, tauq; };
 /// Computes the second derivatives of Σ_i w_i a_i, the accelerations of forward dynamics with weights w, at
 /// (q, v, τ). O(n² d) on paths of d velocities, no allocation. The results are NaN if the status is not ok().

@@ -7,10 +7,13 @@ namespace axode {
 /// Quantities of a body, or their sums over a subtree, from which the derivatives of the gradient of λ·τ
 /// follow, with the forces τ of inverse dynamics and constant weights λ ((D1.21) and (D2.2) of
 /// docs/derivations). Λ is the twist that the body would have if the joints moved with the velocities λ. A is
-/// the momentum M Λ with the inertia M of the body. H is the moment of the wrench Bᵀ Λ with the Coriolis
-/// inertia B of the body; the force of this wrench is 0. D is the 3 × 3 block of the Coriolis inertia that
-/// the body would have with the twist Λ, 2 [[D, 0], [-p~, 0]], where p is the linear part of A, and p~ the
-/// matrix with p~ x = p × x.
+/// the momentum M Λ with the inertia M of the body.
+///
+/// The Coriolis inertia B of a body gives, for a twist X = (w; v), the wrench B X = 2 ∫ (r × (w × r'); w ×
+/// r') dm, which causes the Coriolis acceleration 2 w × r' of mass elements dm with the positions r and
+/// velocities r'. It has the form 2 [[D, 0], [-p~, 0]] with p = ∫ r' dm and p~ x = p × x. H is the moment of
+/// the wrench Bᵀ Λ, whose force is 0. The member D is the block D of the Coriolis inertia that the body would
+/// have with the twist Λ. The p of that Coriolis inertia is the linear part of A.
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;
@@ -126,8 +129,9 @@ template <class T> struct SecondOrder {
   void write(const Topology& topology, bool loaded, const HessianBlocks<T>& H) const noexcept {
     for (int c = last_block<T>(topology.nv); c >= 0; c -= L::width) write_columns(topology, c, loaded, H);
   }
-  /// Adds the second derivatives of λ·τ that run() has prepared to the blocks of H, see HessianBlocks. τ are
-  /// the forces of inverse dynamics, and λ constant weights. A block that is null is skipped.
+  /// Adds the second derivatives of λ·τ that run() has prepared to the blocks of H: the derivatives by the
+  /// pairs of variables (q, q), (q, v), (v, v) and (a, q), see HessianBlocks. τ are the forces of inverse
+  /// dynamics, and λ constant weights. A block that is null is skipped.
   void add_to(const Topology& topology, bool loaded, const HessianBlocks<T>& H) noexcept {
     const std::ptrdiff_t nv = topology.nv;
     const auto add = [&](T* block, std::ptrdiff_t outer, std::ptrdiff_t inner, const T& x) {
@@ -243,22 +247,25 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// Returns terms of second derivatives of λ·τ by two velocities, with the forces τ of inverse dynamics and
-  /// constant weights λ (D2.8). The formula for screws of two different joints contains them, but they must
-  /// be subtracted if both screws, S_l and S_c, belong to one joint, because the velocity along S_l does not
-  /// change the twist of the predecessor of this joint. Lane c - k has the term for S_c, the power of the
-  /// wrench -ad_{S_c}ᵀ A on S_l. A is the sum of M Λ over the bodies of the subtree, where M is the inertia
-  /// of a body and Λ the twist that it would have if the joints moved with the velocities λ.
+  /// Returns the terms that must be subtracted from the second derivatives of λ·τ by two velocities of one
+  /// joint (D2.8). τ are the forces of inverse dynamics, and λ constant weights. The formula for screws of
+  /// two different joints contains these terms. Within one joint they do not occur, because the velocity
+  /// along S_l does not change the twist of the predecessor of the joint. Lane j has the term for the screws
+  /// S_l and S_c with c = k + j: the power of the wrench -ad_{S_c}ᵀ A on S_l. A is the sum of M Λ over the
+  /// bodies of the subtree, where M is the inertia of a body and Λ the twist that it would have if the joints
+  /// moved with the velocities λ.
   [[gnu::always_inline]] Number own_bracket(int l, int k) const {
     return product(first.effect, Part::S, l, curvature, AS, k);
   }
-  /// Entries of the four blocks of HessianBlocks in one row and several columns, one column in each lane.
+  /// Second derivatives of λ·τ by the pairs of variables (q, q), (q, v), (v, v) and (a, q), in one row and
+  /// several columns of the matrix of each pair, one column in each lane. The row is the component of the
+  /// first variable.
   struct Entries {
     Number qq, qv, vv, aq;
   };
-  /// Writes the columns c, c + 1, ... of the blocks, one in each SIMD lane, for a tree without couplings. All
-  /// later columns must have been written before, because lanes beyond the end of a row overwrite the first
-  /// entries of the next row.
+  /// Writes the columns c, c + 1, ... of the matrices of second derivatives of λ·τ by (q, q), (q, v), (v, v)
+  /// and (a, q), one column in each SIMD lane, for a tree without couplings. All later columns must have been
+  /// written before, because lanes beyond the end of a row overwrite the first entries of the next row.
   void write_columns(const Topology& topology, int c, bool loaded, const HessianBlocks<T>& H) const noexcept {
     const int nv = topology.nv, next = std::min(c + L::width, nv);
     const auto end_of = [&](int k) { return topology.velocity_end[k]; };
@@ -304,10 +311,12 @@ template <class T> struct SecondOrder {
       store_row<T>(x.aq, r, c, nv, H.aq + at);
     }
   }
-  /// Returns the entries of the four blocks of HessianBlocks in row r and the columns c, c + 1, ..., one
-  /// column in each lane (D2.8). They are valid if the joint of the row is before the joint of the column on
-  /// a path from the ground. If both are the same joint, own_bracket() must be subtracted from the entries of
-  /// the block vv, and the entries of the block aq are those that below() returns.
+  /// Returns the second derivatives (D2.8) of λ·τ by the pairs of variables (q, q), (q, v), (v, v) and (a,
+  /// q), in row r and the columns c, c + 1, ... of the matrix of each pair, one column in each lane. Row r is
+  /// component r of the first variable, and column c component c of the second. The results are valid if the
+  /// joint of the row is before the joint of the column on a path from the ground. If both are the same
+  /// joint, own_bracket() must be subtracted from those by (v, v), and those by (a, q) are valid in the
+  /// result of below() instead.
   [[gnu::always_inline]] Entries above(int r, int c, bool loaded) const {
     const Arrays<T> e = first.effect, d = curvature;
     Number qq = product(d, chi, r, e, Part::P, c) + product(e, Part::psi_2, r, d, Y, c) +
@@ -316,8 +325,11 @@ template <class T> struct SecondOrder {
     return {qq, product(d, chi, r, e, Part::R, c) + product(d, psi_1, r, d, Z, c),
             product(e, Part::S, r, d, Z, c), product(e, Part::S, r, d, Y, c)};
   }
-  /// Returns the entries of the four blocks of HessianBlocks in row r and the columns c, c + 1, ..., one
-  /// column in each lane, if the joint of the row is in the subtree of the joint of the column (D2.8).
+  /// Returns the second derivatives (D2.8) of λ·τ by the pairs of variables (q, q), (q, v), (v, v) and (a,
+  /// q), in row r and the columns c, c + 1, ... of the matrix of each pair, one column in each lane. Row r is
+  /// component r of the first variable, and column c component c of the second. The results are valid if the
+  /// joint of the column is before the joint of the row on a path from the ground. If both are the same
+  /// joint, only those by (a, q) are valid.
   [[gnu::always_inline]] Entries below(int r, int c, bool loaded) const {
     const Arrays<T> e = first.effect, d = curvature;
     Number qq = product(e, Part::P, r, d, chi, c) + product(d, Y, r, e, Part::psi_2, c) +
@@ -336,9 +348,11 @@ template <class T> struct SecondOrder {
   }
   /// Computes second derivatives (D2.8) of λ·τ, with the forces τ of inverse dynamics and constant weights λ,
   /// for the joint screw l and each joint screw c from `begin` to `end` - 1 in the subtree of its joint.
-  /// Writes them to entry c of six arrays of `line`: those by q_l and q_c, by q_l and v_c, by q_c and v_l, by
-  /// v_l and v_c, by a_c and q_l, by a_l and q_c. If both screws belong to one joint (c < `next`), the arrays
-  /// 2 and 5 are not valid, and the caller must subtract array 6, the terms own_bracket(), from array 3.
+  /// Writes them to entry c of the arrays 0 to 5 of `line`: those by q_l and q_c, by q_l and v_c, by q_c and
+  /// v_l, by v_l and v_c, by a_c and q_l, by a_l and q_c. If both screws belong to one joint (c < `next`),
+  /// the arrays 2 and 5 are not valid, and the caller must subtract array 6 from array 3. Array 6 has the
+  /// results of own_bracket(): terms of the formula for screws of different joints that do not occur within
+  /// one joint.
   void multiply(int l, int begin, int next, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

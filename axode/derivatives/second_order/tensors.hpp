@@ -157,10 +157,13 @@ template <class T> struct SecondOrderTensors {
   /// Computes the products (D2.11) of which the second derivatives of inverse dynamics consist, for three
   /// joint screws on one path to the ground: S_d, whose joint is the farthest from the ground, S_j, and each
   /// screw S_c of the path in turn. A product is the power of a wrench on S_j, or on ψ'_j = [V_p, S_j] with
-  /// the twist V_p of the predecessor of the joint of S_j. The wrenches belong to S_d and S_c; before the
-  /// call, compute_wrenches() must have stored them in `wrench`. Writes the products to entry c of the arrays
-  /// of `line`, see Products. The joint of S_j has the screws from begin_j to end_j - 1 of the path. Two of
-  /// the products, h and H, are computed only for c < end_j.
+  /// the twist V_p of the predecessor of the joint of S_j. The wrenches are functions of S_c, of S_d,
+  /// and of the inertia and the motion of the subtree that S_d moves. compute_wrenches() must have stored
+  /// them in `wrench` before the call.
+  ///
+  /// Writes the products to entry c of the arrays of `line`, in the order of the enumeration Products. The
+  /// joint of S_j has the screws from begin_j to end_j - 1 of the path. The products h and H, which occur
+  /// only in derivatives of the force at the velocity of S_d, are computed only for c < end_j.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
