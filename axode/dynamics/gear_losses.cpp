@@ -81,12 +81,15 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Sets the friction forces and the data at which the continuation method starts. The method moves the data
-/// of the equations from a start problem with a known solution to the given problem. In the start problem,
-/// joints at rest stick without a friction force. In moving joints the drive drives the gear, and the
-/// friction force is the loss of the gear. The forces that the gears transmit differ from joint to joint:
-/// with equal forces, the solution in a symmetric mechanism would leave the linear pieces of several joints
-/// at once.
+/// Sets the friction forces and the data of a start problem, from which a continuation method moves the data
+/// along a straight line to those of the given problem. The solution of the start problem is known: joints at
+/// rest stick without a friction force. In moving joints the drive drives the gear, and the friction force is
+/// the loss of the gear.
+///
+/// The friction laws are linear in pieces: a piece of a joint ends when the joint begins or ceases to slide,
+/// or when the force that its gear transmits changes its sign. The method changes the piece of one joint at a
+/// time. Therefore the transmitted forces of the start problem differ from joint to joint. If they were
+/// equal, several joints of a symmetric mechanism would reach the ends of their pieces at the same time.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);

@@ -9,8 +9,11 @@ namespace {
 
 template <class T> Wrench<Spatial, T> per_second(const Momentum<Spatial, T>& Pi) { return {Pi.l, Pi.p}; }
 
-/// The 6×6 matrix B of one body in the Coriolis matrix C = Jᵀ (M J' + B J), with the stacked spatial Jacobian
-/// J and the spatial inertia M. The forms of C differ in B alone.
+/// The 6 × 6 matrix B of one body with the spatial inertia M, the spatial twist V and the spatial Jacobian J
+/// in the Coriolis matrix C, which is the sum of Jᵀ (M J' + B J) over all bodies. For a twist X, B X is
+///   -ad_Vᵀ M X - M ad_V X                      for CoriolisForm::paper,
+///   -ad_Vᵀ M X                                 for `skew` and `spatial`, which are equal,
+///   (-ad_Vᵀ M X - M ad_V X - ad_Xᵀ M V) / 2    for `christoffel`.
 template <class T>
 TwistToWrench<Spatial, T> body_term(CoriolisForm form, const Inertia<T>& M, const Twist<Spatial, T>& V) {
   switch (form) {

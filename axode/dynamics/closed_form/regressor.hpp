@@ -2,8 +2,11 @@
 #include "axode/kinematics/arguments.hpp"
 
 /// Regressors: matrices that give forces and energies as linear functions of the inertial parameters of the
-/// bodies. Each body has ten parameters; columns 10 (i - 1) to 10 (i - 1) + 9 belong to body i. Armatures,
-/// damping, friction and loads are not included.
+/// bodies. Body i has the ten parameters
+///   π_i = (m, m c_x, m c_y, m c_z, Θ_xx, Θ_yy, Θ_zz, Θ_xy, Θ_xz, Θ_yz)
+/// with the mass m, the centre of mass c, and the rotational inertia Θ about the origin, all in the body
+/// frame (kg, kg m, kg m²). Columns 10 (i - 1) to 10 (i - 1) + 9 belong to them. Armatures, damping, friction
+/// and loads are not included.
 namespace axode {
 
 /// The regressor Y of the drive forces: Y π = M a + C v + g for the inertial parameters π of all bodies; nv ×
