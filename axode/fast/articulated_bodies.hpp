@@ -48,7 +48,7 @@ template <class G, class T> struct FastArticulatedBodies {
   /// An eliminated joint screw S = (w; v), in inertial axes about the origin of the body that the joint
   /// moves. With the articulated inertia M of this body, U = M S, and the pivot D, K = U/D is the wrench on
   /// the predecessor for a unit joint force, about the origin of the body. For a hinge, K is about the origin
-  /// of the predecessor instead, and (w; v) is not stored. u = (τ - S | W)/D with the joint force τ and the
+  /// of the predecessor instead, and (w; v) is not stored. u = (τ - Sᵀ W)/D with the joint force τ and the
   /// bias wrench W ((D4.12) and (D4.13) of docs/derivations).
   struct Pivot {
     Vector K_m, K_f, w, v;
@@ -229,7 +229,7 @@ template <class G, class T> struct FastArticulatedBodies {
   /// mass matrix, after the joint has been eliminated. x (nv numbers) are the right sides, such as drive
   /// forces. On entry, (m, f) is the wrench W on body i about its origin: its own bias wrench plus what its
   /// children pass to it. For each screw S of the joint, from the last to the first, the remaining joint
-  /// force is g = x_k - S|W with the entry x_k of x. The step stores u = g/D and adds the wrench g K to W,
+  /// force is g = x_k - Sᵀ W with the entry x_k of x. The step stores u = g/D and adds the wrench g K to W,
   /// with the pivot D and K = M S/D, where M is the articulated inertia of the body before S is eliminated.
   /// On return, (m, f) is the wrench on the predecessor about the origin of the predecessor.
   template <class S>
@@ -254,8 +254,9 @@ template <class G, class T> struct FastArticulatedBodies {
     m += cross(Factor(b.r), Factor(f));
   }
 
-  /// The backward sweep: it eliminates the joints and, if `forces`, computes u of every joint from `tau`. u
-  /// is the joint force minus S | W, divided by the pivot, with the joint screw S and the bias wrench W.
+  /// Runs the backward sweep, from the leaves to the root: eliminates the joints and, if `forces` is set,
+  /// computes u = (τ - Sᵀ W)/D for every joint screw S. τ is the joint force of S, an entry of `tau`, W the
+  /// bias wrench on the body that the joint moves, and D the pivot.
   template <bool forces, class S> void sweep(const Tree<S>& tree, const T* tau) noexcept {
     Articulated M{};
     Vector m{}, f{};

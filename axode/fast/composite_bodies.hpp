@@ -10,7 +10,7 @@ namespace axode {
 /// axes of the root body, the first body on the path from the ground, on whose pose M does not depend.
 /// Composite inertias are about the origins of the bodies. Joint screws S are about the origin of the root
 /// body, and so are the impulses F that give the subtrees of the joints, with all other joints locked, the
-/// twists S. If joint j is in the subtree of joint i, M_ij = S_i | F_j without armatures. As the velocities
+/// twists S. If joint j is in the subtree of joint i, M_ij = S_iᵀ F_j without armatures. As the velocities
 /// of a subtree are consecutive, a row of M is the product of one screw and consecutive entries of F. If the
 /// root body is on a free joint, its screws are the unit vectors.
 template <class T> struct FastCompositeBodies {
@@ -111,11 +111,11 @@ template <class T> struct FastCompositeBodies {
   static int unit_screws(const Topology& topology) {
     return topology.n > 0 && topology.kind[1] == Subgroup::free ? 6 : 0;
   }
-  /// The largest number of columns after the last full SIMD register that are computed without SIMD
-  /// registers, one number after the other.
+  /// The columns of the mass matrix are computed in blocks as wide as a SIMD register. If at most this number
+  /// of columns remains after the full blocks, they are computed one number after the other instead.
   static constexpr int widest_tail = 2;
-  /// Writes the first six rows of M if body 1 is on a free joint. Its subtree has the columns before `end`;
-  /// the later columns are 0.
+  /// Writes the first six rows of the mass matrix M if body 1 is on a free joint. Its subtree has the columns
+  /// before `end`; the later columns are 0.
   void copy_rows(int nv, int end, T* out) const noexcept {
     const Arrays<T> from = F;
     const Number zero(T(0));
@@ -125,9 +125,9 @@ template <class T> struct FastCompositeBodies {
       for (int c = end; c < nv; c += L::width) store_row<T>(zero, k, c, nv, row + c);
     }
   }
-  /// Writes the columns c to nv - 1 of M without SIMD registers, one number after the other. An entry (k, r)
-  /// of these columns with k < c is copied from the entry (r, k), because M is symmetric. Hence the columns
-  /// before c must have been written.
+  /// Writes the columns c to nv - 1 of the mass matrix M without SIMD registers, one number after the other.
+  /// An entry (k, r) of these columns with k < c is copied from the entry (r, k), because M is symmetric.
+  /// Hence the columns before c must have been written.
   void write_tail(const Topology& topology, int c, T* out) const noexcept {
     const std::ptrdiff_t nv = topology.nv;
     for (std::ptrdiff_t r = c; r < nv; ++r) {
@@ -141,9 +141,9 @@ template <class T> struct FastCompositeBodies {
       }
     }
   }
-  /// Writes the columns c, c + 1, ... of M, one in each SIMD lane. Blocks of columns must be written from the
-  /// last to the first: lanes beyond the end of a row overwrite the first entries of the next row, which must
-  /// be written later.
+  /// Writes the columns c, c + 1, ... of the mass matrix M, one in each SIMD lane. Blocks of columns must be
+  /// written from the last to the first: lanes beyond the end of a row overwrite the first entries of the
+  /// next row, which must be written later.
   void write_columns(const Topology& topology, int c, T* out) const noexcept {
     const Arrays<T> screw = S, impulse = F;  // local copies, which no store can change
     const int nv = topology.nv, next = std::min(c + L::width, nv);

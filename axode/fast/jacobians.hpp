@@ -46,7 +46,7 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
   }
 
   /// Writes the Jacobian J (nv columns) in representation Rep of a frame on body i. F is the pose of this
-  /// frame relative to the internal frame of the body.
+  /// frame relative to the internal frame of the body, which is the joint frame that moves with the body.
   template <class Rep>
   void write(const Tree<T>& tree, int i, const SE3<T>& F, Twist<Rep, T>* J) const noexcept {
     const ScrewInRep<Rep> in_rep(body[i], F);

@@ -43,8 +43,10 @@ template <class T> struct FastLagrangian {
         C(arena),
         W_app(arena.per_body<Wrench<BodyFixed, T>>()) {}
 
-  /// Writes p and f (nv numbers each). g[i] is the gravity (m/s²) on the subtree of body i, for bodies i that
-  /// are joined to the ground.
+  /// Writes the momenta p = M v, with the mass matrix M including armatures, and the forces f = ∂(T - U)/∂q
+  /// at constant v plus the generalised forces of the loads `wrenches`, for the kinetic energy T and the
+  /// potential energy U of gravity (nv numbers each). Joint forces are not included in f. g[i] is the gravity
+  /// (m/s²) on the subtree of body i, for bodies i that are joined to the ground.
   void run(const Tree<T>& tree, const T* q, const T* v, std::span<const Vec3<T>> g,
            std::span<const AppliedWrench<T>> wrenches, T* p, T* f) noexcept {
     forward(tree, q, v, g);
