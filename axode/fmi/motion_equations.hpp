@@ -68,14 +68,15 @@ class MotionEquations {
   /// cannot be closed. Throws NoRates if q cannot be normalised, or if there are joints with dry friction or
   /// gear losses and the accelerations cannot be computed.
   void start(Point& at);
-  /// Finds out which plays (backlash of couplings) and hard stops are at an end when a motion starts. Those
-  /// that move against their end have an impact, which changes v. Throws std::invalid_argument for a play or
-  /// joint beyond an end. Without this call all plays and stops are free.
+  /// Finds out which plays (backlash of couplings) and hard stops are at an end in the state `at` at which a
+  /// motion starts. Those that move against their end have an impact, which changes v. Throws
+  /// std::invalid_argument for a play or joint beyond an end. Without this call all plays and stops are free.
   void start_plays(Point& at);
   Rates rates(const Point& at);
   /// Whether there are loops, prescribed motions or plays at an end, which close() keeps closed.
   bool has_loops() const { return loops_.has_value(); }
-  /// Projects q and v onto closed loops and motions, with unit quaternions. Returns whether this succeeded.
+  /// Changes q and v of the state `at` such that loops are closed and prescribed motions are followed at its
+  /// time, and plays at an end remain there. Normalises quaternions. Returns whether this succeeded.
   [[nodiscard]] bool close(Point& at);
 
   /// Updates the drives at the time in `at`. Inputs that jump at this time take their new values. The
@@ -83,10 +84,12 @@ class MotionEquations {
   /// its limit), change if they must; then the states x of the drives may change, too.
   void switch_drives(Point& at);
   double next_jump(double t) const;
-  /// Lets joints with dry friction begin to stick or to slide. Velocities in `at` that have come to rest
-  /// become 0.
+  /// Lets joints with dry friction or gear losses begin to stick or to slide, at the time and the state in
+  /// `at`. The velocities of joints that have come to rest at this time, up to rounding, become 0 in `at`.
+  /// Joints at rest begin to slide if friction cannot hold them.
   void switch_friction(Point& at);
-  /// Lets plays and hard stops meet and leave their ends, as simulate() does with plays; impacts change v.
+  /// Lets plays (backlash of couplings) and hard stops meet and leave their ends in the state `at`, as
+  /// simulate() does with plays. Impacts change v.
   void switch_plays(Point& at);
   /// Takes note that a step of the importing program has ended at `at`, without an event.
   void complete_step(const Point& at) { plays_.reduce_overshoot(at.q); }
