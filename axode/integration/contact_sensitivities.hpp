@@ -38,22 +38,24 @@ struct [[nodiscard]] ContactSensitivity {
 /// (friction, restitution, thickness of a layer), the placement of the shapes, the inertia of the bodies, and
 /// the geometry of the tree. Each span may be empty.
 template <class T> struct ContactParameters {
-  /// The surfaces of the n shapes, 3 n numbers: n for the coefficients of friction, n for the restitution,
-  /// and n for the thickness of a layer on each shape (m). A change of this thickness moves the surface of
-  /// the shape outwards, like a change of the radius of a sphere or capsule, or of the height of a plane.
-  /// Derivatives by the friction of a pair of shapes without friction, which do not exist, are given as 0.
+  /// Numbers for the surfaces of the n shapes, with 3 n parameters: n coefficients of friction, n
+  /// coefficients of restitution, and n thicknesses of a layer on each shape (m). A change of this thickness
+  /// moves the surface of the shape outwards, like a change of the radius of a sphere or capsule, or of the
+  /// height of a plane. Derivatives by the friction of a pair of shapes without friction, which do not exist,
+  /// are given as 0.
   std::span<T> surfaces = {};
-  /// The placement of the n shapes on their bodies, 6 n numbers: six numbers π_u for each shape, which
+  /// Numbers for the placement of the n shapes on their bodies, with six parameters π_u for each shape, which
   /// displace it on its body (rad and m) along the unit screws U_u of its own frame, angular before linear.
   /// The pose P of the shape becomes P exp(Σ π_u U_u).
   std::span<T> placement = {};
-  /// The inertia of the b moving bodies, 10 b numbers: the inertial parameters of each body, see
-  /// inertial_parameters.hpp (kg, kg m, kg m²).
+  /// Numbers for the ten inertial parameters of each of the b moving bodies (kg, kg m, kg m²), see
+  /// inertial_parameters.hpp.
   std::span<T> inertia = {};
-  /// The geometric parameters of the tree, 6 b numbers. The six parameters of a body displace its joint and
-  /// its subtree relative to the predecessor (rad and m), along the unit screws, angular before linear, of
-  /// the frame that the body has while its joint is at zero. For models with loops or with springs between
-  /// frames the span must be empty, or std::invalid_argument is thrown.
+  /// Numbers for the 6 b geometric parameters of the tree, such as changes of these parameters or derivatives
+  /// by them. The six parameters of each of the b moving bodies displace its joint and its subtree relative
+  /// to the predecessor (rad and m), along the unit screws, angular before linear, of the frame that the body
+  /// has while its joint is at zero. For models with loops or with springs between frames the span must be
+  /// empty, or std::invalid_argument is thrown.
   std::span<T> geometry = {};
 };
 

@@ -28,16 +28,19 @@ namespace axode {
 /// Receives the states (q, v, x) of a motion of K steps, K + 1 rows each, where x are the nx states of the
 /// drives. It also receives the derivatives of the state at the end of each step, row by row: A (n × n with n
 /// = 2nv + nx) by the state at the start of the step, B (n × nv) by the drive forces τ, and C (n × nu) by
-/// constants that are added to the nu inputs that are functions of time, in the order of their drives. The
-/// first nv rows, and columns of A, are those of q, and the next nv those of v. The spans must not overlap.
+/// constants that are added during the step to the inputs of the drives. Only the nu inputs that are
+/// functions of time have a column, in the order of their drives; inputs that are the output of another drive
+/// do not. The first nv rows, and columns of A, are those of q, and the next nv those of v. The spans must
+/// not overlap.
 struct DriveRolloutDerivatives {
   std::span<double> q, v, x, A, B, C;
 };
 /// Computes a motion of K steps of length `step` (s) that begins at time t (s) in the state (q, v, x), with
 /// the states x of the drives (nx numbers, or none to let the drives choose), under the drive forces `tau` (K
 /// rows of nv numbers). Also computes, for each step, the derivatives of the state at its end by the state at
-/// its start, by the drive forces and by the inputs of the drives. Each stage of the Runge-Kutta method costs
-/// O(n³) for n = 2nv + nx. If monitor() returns false, the computation ends, and all results are NaN.
+/// its start, by the drive forces, and by constants that are added during the step to the inputs of the
+/// drives, for the inputs that are functions of time. Each stage of the Runge-Kutta method costs O(n³) for n
+/// = 2nv + nx. If monitor() returns false, the computation ends, and all results are NaN.
 Solvability rollout_derivatives_with_drives(const Model& model, const DriveSystem& drives, double t,
                                             std::span<const double> q, std::span<const double> v,
                                             std::span<const double> x, std::span<const double> tau,
@@ -48,7 +51,8 @@ Solvability rollout_derivatives_with_drives(const Model& model, const DriveSyste
 
 /// Displacements of the data of a motion of K steps: of the initial q and v (nv numbers each) and x (the nx
 /// states of the drives), of the drive forces τ (K rows of nv numbers, one row for each step), and of those
-/// nu inputs u of the drives that are functions of time (K rows of nu numbers).
+/// nu inputs u of the drives that are functions of time (K rows of nu numbers, which are added to the inputs
+/// during each step).
 struct DriveTangents {
   std::span<const double> q, v, x, tau, u;
 };
@@ -65,14 +69,15 @@ Solvability rollout_jvp_with_drives(const Model& model, const DriveSystem& drive
                                     const std::function<bool()>& monitor = {});
 
 /// Receives the gradients of an objective by the initial q, v and x (the states of the drives), by the drive
-/// forces (K rows of nv numbers for K steps) and by those nu inputs that are functions of time (K rows of nu
-/// numbers).
+/// forces (K rows of nv numbers for K steps) and by constants that are added in each step to those nu inputs
+/// of the drives that are functions of time (K rows of nu numbers).
 struct DriveGradients {
   std::span<double> q, v, x, tau, u;
 };
 /// Reverse-mode differentiation of a motion of K steps: from the gradients w of an objective by all K + 1
-/// states, computes its gradients by the initial state, the drive forces (K rows of nv numbers) and the
-/// inputs (K rows of nu). Stores the matrices of derivatives of every step.
+/// states, computes its gradients by the initial state, by the drive forces (K rows of nv numbers) and by
+/// constants that are added in each step to the inputs of the drives (K rows of nu, for the inputs that are
+/// functions of time). Stores the matrices of derivatives of every step.
 Solvability rollout_vjp_with_drives(const Model& model, const DriveSystem& drives, double t,
                                     std::span<const double> q, std::span<const double> v,
                                     std::span<const double> x, std::span<const double> tau, double step,

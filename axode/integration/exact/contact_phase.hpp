@@ -106,10 +106,12 @@ class ContactPhase {
   /// sliding velocity, and those with the branch `stick` must be at rest.
   std::string decide(const Vector& q, const Vector& v, const Forces& forces);
 
-  /// Begins the phase with the constraints `next`. The direction of sliding of a contact that stuck before
-  /// and slides in `next` becomes opposite to its present friction force. The direction in `next` is kept if
-  /// it differs clearly from this one (the cosine of the angle between them is below 0.99), or if the
-  /// friction forces are not unique.
+  /// Begins the phase with the constraints `next`. For contacts that begin to slide, `next` has the direction
+  /// of the sliding acceleration that decide() has found. If such a contact stuck before, and this direction
+  /// is almost opposite to its present friction force (the cosine of the angle is -0.99 or less), it is
+  /// replaced by the direction exactly opposite to the force. If it is not, the contact is set in motion by
+  /// the friction of other contacts, and its direction in `next` is kept. All directions in `next` are kept
+  /// if the friction forces are not unique.
   void take_next(const std::vector<ClosedConstraint>& next);
 
   /// A constraint with an impulse in an impact.

@@ -10,8 +10,9 @@ namespace {
 
 using Kind = Trajectory::ContactEvent::Kind;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// The rounding error by which ContactPhase::reserve(), relative to the size of the accelerations, may be
-/// negative.
+/// The rounding error of ContactPhase::reserve(), which is the least distance of the constraint forces from
+/// their limits (no unit). The limits are violated, and the phase ends, only if reserve() is below minus this
+/// number.
 constexpr double reserve_rounding = 5e-14;
 
 /// Events with a smaller distance occur together, s.

@@ -19,14 +19,15 @@ class ExactContactRun : public SimulationRun {
 
   /// Computes the accelerations a_t under the constraints of the present phase.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
-  /// Takes the step to t_1, or to the first event before t_1, after which another phase begins. A drive that
-  /// changes to another branch of its law is such an event.
+  /// Takes a step that ends at t_1, or at the first event before t_1. Events are impacts, contacts and hard
+  /// stops that open or close, contacts and joints with dry friction that begin or cease to slide, and drives
+  /// that change to another branch of their law.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
 
  private:
   /// The numbers that decide at a state whether the phase has ended.
   struct Marks {
-    double reserve = 0;  ///< ContactPhase::reserve(), relative to the size of the accelerations
+    double reserve = 0;  ///< ContactPhase::reserve(): least distance of forces from their limits
     std::vector<double> slips = {}, speeds = {};
     std::vector<Gap> gaps = {};
   };
@@ -50,7 +51,7 @@ class ExactContactRun : public SimulationRun {
   /// velocity of each sliding constraint along its stored direction of sliding, the gap of each contact or
   /// stop that was open at the start of the step, and the least gap of all contacts that were found since.
   std::vector<double> entries(double t, const Marks& marks) const;
-  /// Shortens a step in which the phase ends to the time t_1 at which it does.
+  /// Shortens a step in which an event ends the phase, so that the step ends at the time t_1 of the event.
   Failure find_event(double& t_1, StepEnd& end, std::vector<double>& at_high, Marks& marks,
                      const Attempt& attempt);
   /// The time at which a step to t should end. It is t, except if at t a sliding velocity has a negative

@@ -26,12 +26,12 @@ class ContactStep {
 
   /// Computes the step of length h (s) from the configuration q_0 and the velocities v_0 at time t, and sets
   /// the public members. x_0 are the states of the drives at time t. Their inputs, and their statuses
-  /// (integers that say which form of each drive's law holds), do not change in the step. If `certificate` is
-  /// above 1e-9, the step is repeated in 4, and then in 16 equal parts; the result of 16 parts is always
-  /// accepted. Allocates only if there are more than 64 contacts and more than ever before, and in the first
-  /// step that needs Newton's matrix of the midpoint rule (D8.6). Fails if the mass matrix is singular, a
-  /// number is not finite, there are too many points of contact, or SimulationOptions::monitor, a function of
-  /// the caller, returns false.
+  /// (integers that say which form of each drive's law holds), do not change in the step. If `certificate`,
+  /// the relative error of the laws of contact in the step, is above 1e-9, the step is repeated in 4, and
+  /// then in 16 equal parts; the result of 16 parts is always accepted. Allocates only if there are more than
+  /// 64 contacts and more than ever before, and in the first step that needs Newton's matrix of the midpoint
+  /// rule (D8.6). Fails if the mass matrix is singular, a number is not finite, there are too many points of
+  /// contact, or SimulationOptions::monitor, a function of the caller, returns false.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0 = {});
 
   /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.

@@ -101,11 +101,14 @@ class ContactStepDerivative {
   };
 
   /// Quantities at the start of a substep (a step of a simulation or a part of one). dq and dv are the
-  /// changes of q and v before the impulses, dp and du those of p and u, dtau those of the drive forces, and
-  /// `friction` those of the coefficients of friction of the shapes. Each of these matrices has k columns for
-  /// the directions of differentiation, at constant multipliers, and then a column for each multiplier with
-  /// the derivative by it. A multiplier is the impulse of a constraint row at the start of the substep,
-  /// divided by the coefficient of friction if it is a friction row of a contact.
+  /// changes of q and v before the impulses, and du those of the velocities u of the constraint rows before
+  /// the impulses. dp are the changes of the momenta p after the impulses, dtau those of the drive forces,
+  /// and `friction` those of the coefficients of friction of the shapes.
+  ///
+  /// Each of these matrices has k columns for the directions of differentiation, at constant multipliers, and
+  /// then a column for each multiplier with the derivative by it. A multiplier is the impulse of a constraint
+  /// row at the start of the substep, divided by the coefficient of friction if it is a friction row of a
+  /// contact.
   struct Start {
     Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
