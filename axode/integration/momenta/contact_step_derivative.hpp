@@ -57,7 +57,8 @@ class ContactStepDerivative {
 
  private:
   /// The mass matrix M at a state (q, v), its factor, the derivative Mv_q of the momenta M v by q, and the
-  /// derivatives F_q and F_v by q and v of the force ∂L/∂q of the kinetic energy L (nv × nv each).
+  /// derivatives F_q and F_v by q and v of the rates F that the momenta have without drive forces, gravity,
+  /// loads and losses (nv × nv each).
   struct Momenta {
     Matrix M, Mv_q, F_q, F_v;
     CholeskyFactor factor;

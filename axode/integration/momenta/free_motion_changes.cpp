@@ -149,12 +149,13 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
 }
 
 /// Computes, in the middle of a substep (a step of a simulation or a part of one), the derivatives f_q and
-/// f_v by q and v of the forces f = ∂T/∂q - ad_vᵀ M v plus gravity, springs and damping, with the kinetic
-/// energy T. For a floating base, q and v are relative to a moving frame, which does not rotate and falls
-/// with gravity, so that f contains no gravity on the base and its subtree. Adds to df the changes of f at
-/// constant q and v along the directions in which the step is differentiated: those by the parameters of the
-/// mechanism, from parameter_changes_, and those of the forces of springs, which depend on the motion of the
-/// moving frames.
+/// f_v by q and v of the forces f = p' - ad_vᵀ p on the joint momenta p = M v (D5.2), as far as they come
+/// from the kinetic energy, gravity, springs and damping. ad_v is the Lie bracket of joint velocities with v,
+/// taken joint by joint; it is 0 for joints with one velocity. For a floating base, q and v are relative to a
+/// moving frame, which does not rotate and falls with gravity, so that f contains no gravity on the base and
+/// its subtree. Adds to df the changes of f at constant q and v along the directions in which the step is
+/// differentiated: those by the parameters of the mechanism, from parameter_changes_, and those of the forces
+/// of springs, which depend on the motion of the moving frames.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;
