@@ -31,15 +31,17 @@ class StraightPath {
 
   /// Converts limits on velocities, accelerations or jerks (rad or m per s, s² or s³) to one limit for each
   /// joint that moves: the largest speed, acceleration or jerk of the distance that the joint has gone along
-  /// its path at which all its velocities are within their limits. `given` has one limit for each velocity,
-  /// or one for all. Messages call the limits `name`. Throws std::invalid_argument unless the limits are
-  /// positive and finite.
+  /// its path at which all its velocities are within their limits. On the path the displacements of a joint
+  /// from its start are proportional to each other, and the distance is the largest of their magnitudes, rad
+  /// or m. `given` has one limit for each velocity, or one for all. Messages call the limits `name`. Throws
+  /// std::invalid_argument unless the limits are positive and finite.
   std::vector<double> limits(const char* name, std::span<const double> given) const;
   /// Returns one speed (rad/s or m/s) for each joint that moves: the largest rate of the distance that the
-  /// joint has gone along its path at which all its velocities are within their limits. `given` has one limit
-  /// for each velocity, or one for all, which may be infinite. If it is empty, the limits of the model are
-  /// taken. Throws std::invalid_argument for limits that are not positive, of the model's only those of
-  /// velocities that must be other than 0.
+  /// joint has gone along its path at which all its velocities are within their limits. On the path the
+  /// displacements of a joint from its start are proportional to each other, and the distance is the largest
+  /// of their magnitudes, rad or m. `given` has one limit for each velocity, or one for all, which may be
+  /// infinite. If it is empty, the limits of the model are taken. Throws std::invalid_argument for limits
+  /// that are not positive; in the model they are allowed for velocities that stay 0.
   std::vector<double> velocity_limits(std::span<const double> given) const;
 
   /// A function that writes how far each of the joints that move has gone along its path at time t, which is

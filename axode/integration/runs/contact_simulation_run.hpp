@@ -77,9 +77,10 @@ class ContactSimulationRun : public MomentumSimulationRun {
   }
 
   /// The inertia that springs, dampers and drives seem to add to each velocity in a step of length h (nv
-  /// numbers): the diagonal of Newton's matrix minus that of the mass matrix, or 0 where this difference is
-  /// negative. Null if the iteration of the last step did not use Newton's matrix, or if that step had
-  /// another length than h.
+  /// numbers, kg m² or kg): the diagonal of Newton's matrix minus that of the mass matrix, or 0 where this
+  /// difference is negative. Newton's matrix (D8.6) approximates the derivative of the equations of the step
+  /// by the velocities in its middle, and contains the derivatives of the forces of springs, dampers and
+  /// drives. Null if the last step had another length than h, or if its iteration used only the mass matrix.
   const double* resistance(double h) const { return midpoint_.resistance(h); }
 
   /// Begins a step of length h at time t, from the state (q_0, v_0) before impulses and the states x_0 of the
@@ -134,11 +135,12 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
   bool is_exact() const { return midpoint_.is_exact(); }
-  /// Completes p_end, the joint momenta at the end of the step before the impulses there. Before the call,
-  /// fly() must have computed the motion between the impulses at the two ends of the step. The momenta of
-  /// floating bases are relative to their moving frames, which fall with gravity but do not rotate. They are
-  /// exact to rounding if only gravity acts on the bases between the impulses. v_0 are the velocities that
-  /// begin() received.
+  /// Completes p_end, the joint momenta at the end of the step before the impulses there: replaces the six
+  /// entries of each floating base by those that follow from its spatial momentum. Before the call, fly()
+  /// must have computed the motion between the impulses at the two ends of the step. Each floating base has a
+  /// moving frame, which falls with gravity but does not rotate, and its momenta are relative to this frame.
+  /// They are exact to rounding if only gravity acts on the bases between the impulses. v_0 are the
+  /// velocities that begin() received.
   void arrive(const Vector& v_0) {
     change_ = v_middle - v_0;
     h_of_change_ = h_;

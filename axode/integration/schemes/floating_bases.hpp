@@ -102,10 +102,12 @@ class FloatingBases {
   void to_momenta(const double* q, const double* y, double* p) const {
     for (const Root& root : roots_) write(root, coAd_inv(pose(root, q), read<Spatial>(root, y)), p);
   }
-  /// Computes the rates y' of the spatial momenta of the floating bases from f = p' - ad_vᵀ p with their
-  /// joint momenta p. The momenta y and p are relative to the moving frames, which fall with gravity, so that
-  /// gravity does not change them. Hence y' is 0 unless loads act on the mechanism or a joint force acts on
-  /// one of the floating bases. `pushed` says whether this is so, for all floating bases together.
+  /// Computes the rates y' of the spatial momenta y of the floating bases from f = p' - ad_vᵀ p with their
+  /// joint momenta p and velocities v. Each floating base has a moving frame, which does not rotate and falls
+  /// with gravity from the time at which place() lets it coincide with the inertial frame. y, p and v belong
+  /// to the motion of the base and its subtree relative to this frame, so that gravity does not change y and
+  /// p. Hence y' is 0 unless loads act on the mechanism or a joint force acts on one of the floating bases.
+  /// `pushed` says whether this is so, for all floating bases together.
   void rates(const double* q, bool pushed, const double* f, double* dy) {
     for (Root& root : roots_) {
       write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);

@@ -80,15 +80,20 @@ template <class System> class Midpoint {
   }
   /// Forgets the matrix of earlier runs.
   void forget_matrix() noexcept { matrix_in_use_ = MatrixKind::none; }
-  /// Adds to v, the velocity in the middle of the step, about the change that it has if p0, the momenta at
-  /// the start of the step, change by dp. Overwrites dp. Requires an earlier call of run() or run_again().
+  /// Adds to v, the velocity in the middle of the step, an estimate x of the change of v if p0, the momenta
+  /// at the start of the step, change by dp, for the next call of run_again(). x solves A x = dp with the
+  /// matrix A of the last iteration, the mass matrix or Newton's matrix. Overwrites dp with x. Requires an
+  /// earlier call of run() or run_again().
   void follow(Vector& dp) {
     solve(dp);
     v += dp;
   }
-  /// The inertia that springs, dampers and drives seem to add to each velocity in a step of length h: the
-  /// diagonal of Newton's matrix minus that of the mass matrix, or 0 where this difference is negative. Null
-  /// if the last call of run_again() did not use Newton's matrix or had another step length than h.
+  /// The inertia that springs, dampers and drives seem to add to each velocity in a step of length h (nv
+  /// numbers, kg m² or kg): the diagonal of Newton's matrix minus that of the mass matrix, or 0 where this
+  /// difference is negative. Newton's matrix (D8.6) approximates the derivative of the equations of the step
+  /// by the velocity in its middle, and contains the derivatives of the forces of springs, dampers and
+  /// drives. Null if the last call of run_again(), which computes a step, had another step length than h or
+  /// iterated only with the mass matrix.
   const double* resistance(double h) const {
     return matrix_in_use_ == MatrixKind::newton && h == h_ ? matrix_.resistance().data() : nullptr;
   }

@@ -34,9 +34,9 @@ template <class System> class StepMatrix {
     resistance_ = (J_ - M_).diagonal().cwiseMax(0);
     lu_.compute(J_);
   }
-  /// The inertia that springs, dampers and drives seem to add to each velocity in an implicit step: the
-  /// diagonal of the last Newton matrix J of compute_with_drive() minus that of the mass matrix, or 0 where
-  /// this difference is negative.
+  /// The inertia that springs, dampers and drives seem to add to each velocity in an implicit step (nv
+  /// numbers, kg m² or kg): the diagonal of the last Newton matrix J of compute_with_drive() minus that of
+  /// the mass matrix, or 0 where this difference is negative.
   const Vector& resistance() const { return resistance_; }
   /// Takes over Newton's matrix of another motion of the same mechanism.
   void continue_from(const StepMatrix& other) {
