@@ -353,7 +353,8 @@ bool read_frame(Table& table, std::size_t number, FrameDescription& frame) {
 }
 
 /// Reads the array of tables with the given key in the table `top` of the file. read(table, number, item)
-/// returns whether the item is complete; others are left out.
+/// fills `item` from the table with the index `number` (from 0) in the array, and returns whether the item is
+/// complete. Items that are not complete are left out.
 template <class Item, class Read>
 void read_all(Table& top, std::string_view key, const Read& read, std::vector<Item>& items) {
   std::size_t number = 0;
