@@ -8,8 +8,9 @@
 /// The screw of a coupled joint, times the ratio, is added to the column of its leader.
 namespace axode {
 
-/// Computes the Jacobian of a place (a frame on a body), nv columns (Müller, eqs. JbX, JsX, Jh, JhJb). O(path
-/// length) for the path to the ground, and O(nv) to clear the other columns.
+/// Computes the Jacobian of a place (a frame on a body): nv columns, which are the twists of the place, in
+/// the representation Rep, for a unit of each velocity (eqs. JbX, JsX, Jh, JhJb of Müller's paper, see
+/// docs/notation.md). O(path length) for the path to the ground, and O(nv) to clear the other columns.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);

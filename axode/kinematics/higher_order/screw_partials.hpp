@@ -140,8 +140,10 @@ template <class Rep, class T> class ScrewPartials {
     while (n-- > 0) x = cross(screw(chain_[n]).hybrid.w, x);
     return x;
   }
-  /// Computes, for each k, the derivative of the position of the place (a frame on a body, to which the path
-  /// of joint screws leads) along the directions of chain_ from k on.
+  /// Computes, for each k, one mixed derivative of the position of the place (a frame on a body, to which the
+  /// path of joint screws leads): that along the velocities of all joint screws chain_[k], chain_[k + 1], ...
+  /// to the last one of chain_. chain_ lists the screws along which derivatives are taken, from the ground
+  /// outwards.
   void put_tails() {
     for (std::size_t k = chain_.size(); k-- > 0;) {
       const Screw<T>& J = screw(chain_[k]).hybrid;
@@ -160,7 +162,7 @@ template <class Rep, class T> class ScrewPartials {
   const std::vector<PathScrew<T>>& screws_;
   std::vector<int> alpha_;      ///< indices of screws; alpha_[0] acts first
   std::vector<int> chain_;      ///< alpha_ sorted from the ground outwards, see sort()
-  std::vector<Vec3<T>> tails_;  ///< derivative of r along (βk, ..., βν), for each k
+  std::vector<Vec3<T>> tails_;  ///< derivative of the position along chain_[k], chain_[k + 1], ...
 };
 
 /// Derivatives of the joint screws J_c on the path to a place (a frame on a body) with respect to q, along
@@ -175,7 +177,8 @@ template <class Rep, class T> class ScrewPartials {
 /// over parts, weighted with the number of sets that a part represents, a product of binomial coefficients.
 template <class T> class DirectionalDerivatives {
  public:
-  /// Computes the derivatives of all screws. Throws std::invalid_argument if no memory can hold them.
+  /// Computes the derivatives of all screws. `directions` has `order` rows of nv joint velocities, of which
+  /// the first acts first. Throws std::invalid_argument if no memory can hold the derivatives.
   DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv) : path_(path) {
     for (int s = 0; s < order; ++s) {
       const T* const u = directions + static_cast<std::ptrdiff_t>(s) * nv;
@@ -207,8 +210,9 @@ template <class T> class DirectionalDerivatives {
     pose();
   }
 
-  /// The derivative of joint screw c of the path along all directions, in the representation Rep at the frame
-  /// on a body to which the path leads.
+  /// The derivative D_uν ... D_u1 of joint screw c of the path, once along each of the ν directions u (joint
+  /// velocities) that the constructor received. The components of the screw are those in the representation
+  /// Rep at the frame on a body to which the path leads.
   template <class Rep> Screw<T> of(int c) const {
     const std::size_t S = parts_ - 1, a = static_cast<std::size_t>(c);
     if constexpr (std::same_as<Rep, Spatial>) return J(a, S);
