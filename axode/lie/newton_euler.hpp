@@ -29,8 +29,9 @@ constexpr Wrench<Mixed, T> velocity_wrench(const Inertia<T>& M, const SO3<T>& R,
 }
 
 /// The Newton-Euler equations. In body-fixed and spatial twists W = M V' - ad_Vᵀ M V (Müller, eqs. NEs, NEb,
-/// NEb0), with M in the frame of V. In hybrid twists W^h = M^h V'^h + ad_ω M^h (ω; 0) (Müller, eqs. NEh,
-/// NEh0), with the angular velocity ω and the inertia M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹ in inertial axes.
+/// NEb0), with the inertia M of the body in the frame of V. In hybrid twists W^h = M^h V'^h + ad_ω M^h (ω; 0)
+/// (Müller, eqs. NEh, NEh0), with the angular velocity ω and the inertia M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹ in inertial
+/// axes.
 template <class Rep, class T>
   requires(AtFrameOrigin<Rep> || std::same_as<Rep, Hybrid>)
 constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V,
@@ -39,8 +40,9 @@ constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& 
 }
 
 /// The Newton-Euler equations in mixed representation: moments and angular velocities are in body axes,
-/// forces and linear velocities in inertial axes (Müller, eqs. NEm rot, NEm trans, NEcmixed). M is in the
-/// body frame, and R is the rotation of the body frame.
+/// forces and linear velocities in inertial axes (Müller, eqs. NEm rot, NEm trans, NEcmixed). M is the
+/// inertia of the body in the body frame, whose origin may be any point of the body, and R is the rotation of
+/// the body frame.
 template <class T>
 constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V,
                                         const TwistRate<Mixed, T>& dV) {
