@@ -54,13 +54,14 @@ std::vector<double> velocities_from_rates(const Model& model, std::span<const do
                                           std::span<const double> dq);
 
 /// The names of the nq coordinates, and of the nv velocities (also those of a and tau). A name is the name of
-/// the joint, with an index if the joint has several, as in `hip[0]`, `hip[1]`. Coupled and fixed joints have
-/// none.
+/// the joint, with an index if the joint has several, as in `hip[0]`, `hip[1]`. Fixed joints have no
+/// coordinate and hence no name. A joint that is coupled to another one, its leader, has none either: it
+/// moves with the coordinate of the leader.
 std::vector<std::string> coordinate_names(const Model& model);
 std::vector<std::string> velocity_names(const Model& model);
 
 /// The largest speeds (rad/s, m/s) and drive forces (N m, N) for each of the nv velocities, infinite if there
-/// is no limit. Limits of coupled joints are not included.
+/// is no limit. Limits of joints that are coupled to another joint are not included.
 std::vector<double> velocity_limits(const Model& model);
 std::vector<double> effort_limits(const Model& model);
 

@@ -19,7 +19,8 @@ struct PolynomialCurve {
   std::vector<double> coefficients;
 };
 /// A piecewise cubic through the points (deflections[k], forces[k]) that is monotone between them, after
-/// Fritsch and Carlson (D16.3). It is a straight line outside the points.
+/// Fritsch and Carlson (D16.3). Before the first and after the last point it is a straight line with the
+/// slope of the cubic at this point.
 struct TableCurve {
   std::vector<double> deflections, forces;
 };

@@ -17,7 +17,7 @@
 ///   angles                       number of angular velocities, which are before the linear ones
 ///   vector_coordinates           whether q' = v
 ///   neutral()                    coordinates of the identity
-///   pose(B, q)                   B exp(S q), the pose of the child's joint frame, for a reference pose B
+///   pose(B, q)                   the pose of the child's joint frame at q, which is B at q = neutral()
 ///   coordinates(D, near, q)      writes the q nearest to `near` with pose(I, q) = D, or with a pose near D
 ///   twist(v)                     S v in the joint frame
 ///   project(W)                   Sᵀ W for a wrench in the joint frame

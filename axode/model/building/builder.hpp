@@ -6,8 +6,9 @@
 
 namespace axode {
 
-/// Whether a defect is a warning or an error if it does not prevent computations: for example a mass of 0, an
-/// inertia that no mass distribution has, or something that other readers of files accept.
+/// Whether a defect of a description that does not prevent computations is a warning or an error: for example
+/// a mass of 0, or an inertia that no mass distribution has. The same holds for a joint in a file whose lower
+/// limit is above the upper one; with a warning it is read without limits.
 enum class Strictness {
   lenient,  ///< such defects are warnings, because files of real robots have them
   strict,   ///< such defects are errors

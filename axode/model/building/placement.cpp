@@ -51,7 +51,8 @@ SE3<> joint_frame(const JointDescription& joint) {
   return {orthonormal(rotation_to(direction(joint.axis))), joint.point};
 }
 
-/// The centre of mass of a drawn body in the construction frame (m), and its radius of gyration (m).
+/// The centre of mass (m) and the radius of gyration (m) of a body that is described in the construction
+/// frame, which is the inertial frame at q = 0. The centre of mass is in this frame.
 struct DrawnMass {
   Vec3<> center;
   double radius_of_gyration = 0;
@@ -67,7 +68,8 @@ std::optional<DrawnMass> drawn_mass(const BodyDescription& body) {
                    std::sqrt(std::max(0.0, trace(given.Theta) / (2 * given.mass) - about_origin))};
 }
 /// For each body the centre of mass and radius of gyration of this body or, if it has no mass, of its first
-/// descendant with mass. Only bodies that are described in the construction frame count.
+/// descendant with mass. A body that is not described in the construction frame, the inertial frame at q = 0,
+/// counts as a body without mass.
 std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
                                                    const DepthFirstOrder& order) {
   std::vector<std::optional<DrawnMass>> first(expanded.bodies.size());
