@@ -385,9 +385,11 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The backward step for a velocity that coupled joints share. It is eliminated at body i (0 is the
-  /// ground), where the paths from these joints to the ground meet, and t is its tie at this body. Computes
-  /// the entry for this velocity of u = L⁻ᵀ x, with the mass matrix Lᵀ D L and the right sides x, and adds
-  /// its contributions to the wrench W[i] and to the entries of velocities that are eliminated later.
+  /// ground), where the paths from these joints to the ground meet. t is the index of the tie of body i for
+  /// this velocity: an additional column of the articulated inertia, with the wrench U_tie[t] on the body for
+  /// a unit rate of the velocity. Computes u_tie[t], the entry for this velocity of u = L⁻ᵀ x, with the mass
+  /// matrix Lᵀ D L and the right sides x, and adds its contributions to the wrench W[i] and to the entries of
+  /// velocities that are eliminated later.
   template <class AnyTree> void backward_step_of_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);
@@ -399,9 +401,11 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
   /// The forward step, in the solution of equations with the mass matrix, for a velocity that coupled joints
   /// share. It is eliminated at body i (0 is the ground), where the paths from these joints to the ground
-  /// meet, and t is its tie at this body. Computes the entry of the solution x for this velocity. X[i] must
-  /// be the motion of body i, a twist or its rate, that follows from the entries of x computed before. If
-  /// joint i is one of the coupled joints, X[i] does not contain the motion of this joint yet.
+  /// meet. t is the index of the tie of body i for this velocity: an additional column of the articulated
+  /// inertia, with the wrench U_tie[t] on the body for a unit rate of the velocity. Computes the entry of the
+  /// solution x for this velocity. X[i] must be the motion of body i, a twist or its rate, that follows from
+  /// the entries of x computed before. If joint i is one of the coupled joints, X[i] does not contain the
+  /// motion of this joint yet.
   template <class AnyTree> void forward_step_of_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);

@@ -5,9 +5,9 @@
 
 namespace axode {
 
-/// The relative motion of each joint i with the screws S and its coordinates q, velocities v and
-/// accelerations a: the pose B exp(S q) of body i relative to its predecessor, where B is this pose at q = 0,
-/// and the screws S v and S a in the joint frame.
+/// The relative motion of each joint i: the pose C_pi of the frame of body i relative to that of its
+/// predecessor, and the screws S v and S a for the velocities v and accelerations a of the joint and its unit
+/// screws S. The screws are in the frame of body i, which is the joint frame in the recursions of a Tree.
 template <class T> struct JointMotion {
   SE3<T>* C_pi;
   Twist<BodyFixed, T>* Sv;

@@ -165,8 +165,10 @@ template <class T> struct Link<Mixed, T> {
         C_pi.r, ArticulatedInertia<Mixed, T>{rotate(C_pi.R, M.A), (C_pi.R * M.B) * R_p, rotate(Rt_p, M.L)});
     return {M_p.A, M_p.B * Rt_p, M.L};
   }
-  /// The part of the twist rate V'_i that is due to velocities. The linear part is that of hybrid twists, and
-  /// the angular part is ω × s in axes of body i, with the angular velocities ω of body i and s of the joint.
+  /// The part of the twist rate V'_i that is due to velocities. The angular part is ω × s in axes of body i,
+  /// with the angular velocities ω of body i and s of the joint. The linear part, as for hybrid twists, is
+  /// the vector (r'_p - r'_i) × ω_p + ω × u in inertial axes, with the velocities r' of the origins of body i
+  /// and its predecessor p, the angular velocity ω_p of p and the linear velocity u of the joint.
   constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
                                      const Twist<Mixed, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
@@ -182,8 +184,10 @@ template <class T> struct Link<Mixed, T> {
   }
 };
 
-/// Converts a body-fixed joint screw to representation Rep, or the rate of the joint's twist if this rate
-/// contains no terms due to velocities (Müller, eqs. bVsRec, bVhRec2).
+/// Converts a joint screw from body-fixed coordinates to the representation Rep: for example the twist S v of
+/// a joint, or the part S a of its rate, with the unit screws S, velocities v and accelerations a of the
+/// joint (Müller, eqs. bVsRec, bVhRec2). The terms of the rate that are due to velocities are in
+/// Link::bias().
 template <template <class, class> class V, class Rep, class T>
   requires Motion<V>
 constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {

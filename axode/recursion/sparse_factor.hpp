@@ -9,9 +9,10 @@ namespace axode {
 
 /// Factorises the mass matrix H = LᵀDL in place (nv × nv, row by row; (D4.7) and (D4.8) of docs/derivations).
 /// Calls check.add(c, D_c, scale) for the pivot D_c of each velocity c. scale() computes the magnitude of the
-/// numbers from which D_c results, from the magnitude `inertia_scale` of the inertia of each velocity, and
-/// overwrites H above its diagonal. If it is called for all pivots, this costs another O(n d²) for a tree of
-/// depth d.
+/// numbers from which D_c results, and overwrites H above its diagonal. For this, `inertia_scale` must have
+/// for each velocity the magnitude of the inertia that moves with it at q = 0 (nv numbers, kg m² or kg; see
+/// Tree::inertia_scale). If scale() is called for all pivots, this costs another O(n d²) for a tree of depth
+/// d.
 template <class T, class Check>
 void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) noexcept {
   const int nv = tree->nv;
