@@ -29,7 +29,8 @@ struct DrawnJoint {
 /// the bodies are drawn in layers, at different heights along the axis of the hinge; the pin then goes
 /// through an eye of each body. A spherical joint is a ball in a socket, a helical joint a screw in a nut, a
 /// planar joint a pad on a plate, and a prismatic joint a block. The fork, tongue, eye, socket, nut or plate
-/// of a body is left out if no placeholder of the body reaches to the joint. Free joints have no shapes.
+/// of a body is drawn only if a placeholder of the body, a shape that is drawn for a body without shapes of
+/// its own, reaches to the joint. Free joints have no shapes.
 std::vector<StandIn> parts_of(const DrawnJoint& joint);
 
 }  // namespace axode::view
