@@ -52,8 +52,9 @@ class BoundTaskSpace {
   }
   int freedom() { return take()->freedom(); }
 
-  /// Calls f(space, k) for every state k and returns `result`, to which f writes. If f returned a failure of
-  /// a state, throws SingularError or NotFiniteError, which contain the result.
+  /// Calls f(space, k) for every state k, with a TaskSpace `space` that no other thread uses, and returns
+  /// `result`, to which f writes. If f returned a failure of a state, throws SingularError or NotFiniteError,
+  /// which contain the result.
   template <class F> Array each(const States& states, NewArray result, const F& f) {
     std::vector<TaskVerdict> found(states.count());
     states.unlocked(cost(), [&](const batch::Monitor& monitor) {
