@@ -73,10 +73,11 @@ std::vector<ElasticDrive> drives_of(const Question& ask) {
   return drives;
 }
 
-/// The task velocities of a parallel manipulator and their first three time derivatives, in four rows, for
-/// the motion with the coordinates, velocities, accelerations, jerks and snaps of `state`. Task velocities
-/// are components of the body-fixed twist of the platform, followed by velocities of joints that the platform
-/// does not determine. Only the rates of the platform's joint and of the latter joints are used.
+/// Returns the task velocities of a parallel manipulator and their first three time derivatives, in four
+/// rows, for the motion with the coordinates, velocities, accelerations, jerks and snaps of `state`. Task
+/// velocities are components of the body-fixed twist of the platform, followed by velocities of joints that
+/// the platform does not determine. Of the joint rates in `state`, only those of the latter joints and of the
+/// joint that connects the platform to the ground in the spanning tree are used.
 std::vector<double> task_rates(const TaskSpace& space, const State& state) {
   const Model& model = space.model();
   const std::vector<double> rows = rates_of(state);

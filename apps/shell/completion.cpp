@@ -74,8 +74,9 @@ struct Offer {
   std::vector<std::pair<std::string, std::string>> words = {};
 };
 
-/// Adds the values that an option takes, as its help describes them: a file (`FILE`), one of a few words
-/// (`table|json`), or one of a list of words that has a name, such as METHOD.
+/// Adds the values that an option of a command can have to the completions `offer`. The help of the option
+/// says which they are: files (`FILE`), a few words (`table|json`), or a list of words that has a name, such
+/// as METHOD.
 void add_values(Offer& offer, const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const auto add = [&](const auto& all, const auto& name_of) {
