@@ -6,9 +6,10 @@
 
 namespace axode::batch {
 
-/// Checks that the loops of the model are closed at every state (q, v). Throws std::invalid_argument if one
-/// is open, or if v has a wrong size. Returns false if the monitor, the caller's function that can end a long
-/// call, ended the check.
+/// Checks that every state (q, v) closes the loops of the model: that the loops are closed at q, and that the
+/// velocities v keep them closed. Throws std::invalid_argument if v has a wrong size, and with the index of
+/// the state if a loop is open at q or opened by v. Returns false if the monitor, the caller's function that
+/// can end a long call, ended the check.
 bool check_loops(const Model& model, std::span<const double> q, std::span<const double> v, int threads,
                  const Monitor& monitor);
 

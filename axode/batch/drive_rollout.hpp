@@ -21,10 +21,11 @@ struct MotionsUnderForces {
 void check_drives(const MotionsUnderForces& motions, const DriveMotions& drives, const DriveSystem& system,
                   std::size_t N, const Losses& losses);
 
-/// Computes a rollout of a mechanism with drives that have states. The sizes in `motions` and the loops of
-/// the initial states must have been checked. Throws std::invalid_argument for drive states x of a wrong size
-/// or not finite, if the memory x_out for their values overlaps that of an argument or a result, and for a
-/// start other than t = 0 if joints have friction.
+/// Computes a rollout of a mechanism with drives that have states. The caller must have checked the sizes in
+/// `motions`, and that all initial states (q, v) close the loops. Throws std::invalid_argument if the initial
+/// states x of the drives have a wrong size or are not finite, if the memory x_out for the later states has a
+/// wrong size or overlaps that of an argument or a result, and if the time of the start is not finite or,
+/// with dry friction or losses of gears, is not 0.
 Outcome run_with_drives(const Model& model, const CompiledDynamics<double>& compiled,
                         const MotionsUnderForces& motions, const DriveMotions& drives, const Tableau& method,
                         const Losses& losses, int threads, const Monitor& monitor);
