@@ -201,9 +201,9 @@ CasadiOutput output(std::string name, int rows, int columns, std::size_t recordi
 
 /// Returns the output matrices of a function that is generated for CasADi: the shape of each, its entries
 /// that are not always 0, and for each such entry its index among the results of `value`, the recording (list
-/// of operations) of the function. Before that, the function removes the results that are always 0 from
-/// `value`, and adds the constant 1 as the last result, which is the last entry of the 4 × 4 matrices of
-/// poses.
+/// of operations) of the generated function. Results that are always 0 are removed from `value`. The constant
+/// 1 is appended as its last result for every generated function; only the 4 × 4 matrices of poses use it, as
+/// their last entry.
 std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
                                    std::span<const std::string> frames, Recording& value) {
   const int nv = model.nv();

@@ -9,9 +9,10 @@ namespace axode::codegen {
 /// Entries of vectors, tensors and columns of rotations become 0 if their magnitude is at most 1e-15 of the
 /// size of the vector, tensor or column; entries of rotations within 1e-15 of ±1 become ±1. And the part of a
 /// body's inertia whose effect on the predecessor does not depend on the joint coordinate is moved to the
-/// predecessor, or dropped if the predecessor is the ground. For a hinge this is the part that is symmetric
-/// about its axis, for a prismatic joint the whole rotational inertia, and for a spherical joint the mass as
-/// a point mass in its centre.
+/// predecessor, or dropped if the predecessor is the ground. For a prismatic joint this part is the whole
+/// rotational inertia, and for a spherical joint the mass as a point mass in its centre. For a hinge it has
+/// the mass of the body, a centre of mass on the hinge axis, and equal moments of inertia about the two axes
+/// perpendicular to it; the moment of inertia about the hinge axis stays with the body.
 ///
 /// The inertias M of the bodies of the result, and their poses B relative to the predecessors at q = 0, are
 /// valid. Callers must not use any other data of these bodies.
