@@ -15,7 +15,8 @@ struct LimbShape {
   int dependent = 0;  ///< number of velocities that follow from the others; those without a drive come first
   int passive = 0;    ///< number of dependent velocities without a drive
   int inner = 0;      ///< number of other velocities of the limb
-  /// Whether the mass matrix of the tree couples the limb with the platform's joint on the ground.
+  /// Whether the mass matrix of the spanning tree couples the limb with the joint between the ground and the
+  /// platform, because bodies of the limb are in the subtree of this joint.
   bool coupled = false;
   bool operator==(const LimbShape&) const = default;
 };
@@ -25,9 +26,10 @@ struct LimbShape {
 /// ((D18.2) to (D18.11)). The matrix of a limb's loop equations has columns for three kinds of velocities:
 /// the dependent ones, which the equations determine; the inner ones, the other velocities of the limb, which
 /// neither the equations nor the platform determine; and the carrying ones. The carrying velocities are those
-/// of the platform's joint on the ground, most often a free joint. Lanes without a limb have an identity
-/// matrix in the columns of the dependent velocities, so that their pivots are 1. The number of lanes depends
-/// on the instruction set. All code that uses a pack must therefore be compiled for the same instruction set.
+/// of the joint that connects the platform to the ground in the spanning tree, most often a free joint. Lanes
+/// without a limb have an identity matrix in the columns of the dependent velocities, so that their pivots
+/// are 1. The number of lanes depends on the instruction set. All code that uses a pack must therefore be
+/// compiled for the same instruction set.
 class LimbPack {
   using L = Lanes<double>;
   using Number = L::Number;
@@ -36,9 +38,9 @@ class LimbPack {
   static constexpr int width = L::width;
   LimbShape shape;
 
-  /// `carrying` is the number of carrying velocities, the velocities of the platform's joint on the ground.
-  /// `free` is the number of those that can be chosen independently under all loop equations, the degrees of
-  /// freedom of the platform.
+  /// `carrying` is the number of carrying velocities, those of the joint that connects the platform to the
+  /// ground in the spanning tree. `free` is the number of those that can be chosen independently under all
+  /// loop equations, the degrees of freedom of the platform.
   LimbPack(const LimbShape& of, int carrying, int free)
       : shape(of),
         carrying_(carrying),
@@ -58,9 +60,12 @@ class LimbPack {
   }
 
   bool full() const { return size(limbs_) == width; }
-  /// Adds the limb with the index `limb`, a chain that carries the platform. `velocities` are its velocities,
-  /// in the order of the columns of the matrix of its loop equations; `rows` are the indices of these
-  /// equations, and `loops` those of its loops. column(c) returns the column of velocity c.
+  /// Adds the limb with the index `limb`, a chain that carries the platform. `velocities` has the indices of
+  /// its velocities in the model, `rows` the indices of its loop equations among all loop equations of the
+  /// model, and `loops` the indices of its loops. The matrix of the limb's loop equations has a column for
+  /// each entry of `velocities`, in this order, followed by columns for the velocities of the joint between
+  /// the ground and the platform. column(c) returns the index of the column for the velocity with the index c
+  /// in the model.
   template <class Column>
   void add(int limb, const std::vector<int>& velocities, const std::vector<int>& rows,
            const std::vector<int>& loops, const LoopTable& table, const Column& column) {
@@ -112,8 +117,8 @@ class LimbPack {
     }
     return -1;
   }
-  /// The entry of carrying velocity c, a velocity of the platform's joint on the ground, in row i of the loop
-  /// equations of the limb in lane l, after resolve() has eliminated the limb's dependent velocities.
+  /// The entry, in row i of the loop equations of the limb in lane l, of velocity c of the joint between the
+  /// ground and the platform, after resolve() has eliminated the limb's dependent velocities.
   double carrying_entry(int l, int i, int c) const { return A_.lane(i * columns() + velocities() + c, l); }
 
   /// Sets the right side -γ of the loop equations A x = -γ of the limbs (chains that carry the platform) in
@@ -133,8 +138,8 @@ class LimbPack {
   /// Computes the joint velocities, or accelerations, of all limbs (chains that carry the platform) and
   /// writes them to x (nv). `y` has the f task velocities, or their rates. The inner velocities of limb k,
   /// which the platform does not determine, begin at y[first_inner[k]]. `s` has the velocities, or
-  /// accelerations, of the platform's joint on the ground. The other velocities of a limb follow from the
-  /// inner ones, from `s`, and from its loop equations with the right side of set_right_side().
+  /// accelerations, of the joint between the ground and the platform. The other velocities of a limb follow
+  /// from the inner ones, from `s`, and from its loop equations with the right side of set_right_side().
   void expand(const double* y, const std::vector<int>& first_inner, const double* s, double* x) noexcept {
     for (int l = 0; l < size(limbs_); ++l)
       for (int j = 0; j < shape.inner; ++j)
@@ -152,8 +157,9 @@ class LimbPack {
   /// Computes the rows of the matrix F of v = F V (D18.6), which maps task velocities V to joint velocities
   /// v, for the dependent velocities of each limb (a chain that carries the platform): those that the loop
   /// equations determine. A limb has columns for the task velocities of the platform, followed by its inner
-  /// velocities, which the platform does not determine. N maps the task velocities of the platform to the
-  /// velocities of its joint on the ground, row by row, with `stride` numbers in each row.
+  /// velocities, which the platform does not determine. N, with `stride` numbers in each row, maps the task
+  /// velocities of the platform to the velocities of the joint that connects the platform to the ground in
+  /// the spanning tree.
   void make_F(const double* N, int stride) noexcept {
     for (int i = shape.dependent; i-- > 0;) {
       for (int t = 0; t < free_; ++t) {
@@ -179,8 +185,8 @@ class LimbPack {
   /// Computes the part Fᵀ M F of each limb (a chain that carries the platform) in the mass matrix of the task
   /// space (D18.11). F maps task velocities to joint velocities, and M (nv × nv) is the mass matrix of the
   /// spanning tree. If shape.coupled is set, the part includes the entries of M for a velocity of the limb
-  /// and one of the platform's joint on the ground. `carrying` has the indices of the velocities of this
-  /// joint, and N, with `stride` numbers in each row, maps task velocities to them.
+  /// and one of the joint between the ground and the platform. `carrying` has the indices of the velocities
+  /// of this joint, and N, with `stride` numbers in each row, maps task velocities to them.
   void make_M(const double* M, int nv, const std::vector<int>& carrying, const double* N,
               int stride) noexcept {
     const int n = velocities(), d = shape.dependent, m = motions();
@@ -342,9 +348,10 @@ class LimbPack {
   /// Computes the product Fᵀ Q for each limb (a chain that carries the platform), a part of the mass matrix
   /// of the task space. F maps task velocities to the velocities of the limb, and Q has `n` columns. If
   /// `first` is set, Q is M F with the mass matrix M of the limb's velocities, and the symmetric product is
-  /// stored. Otherwise Q is M N: M has the entries of the tree's mass matrix that couple the limb with the
-  /// platform's joint on the ground, and N maps the platform's task velocities to the velocities of this
-  /// joint. The product and its transpose are then added to the stored matrix.
+  /// stored. Otherwise, Q is M_c N, and the product and its transpose are added to the stored matrix. M_c has
+  /// the entries of the mass matrix of the spanning tree for one velocity of the limb and one of the joint
+  /// between the ground and the platform; they are not 0 if the limb has bodies in the subtree of this joint.
+  /// N maps the task velocities of the platform to the velocities of this joint.
   void set_product(const Array& Q, int n, bool first) noexcept {
     const int m = motions();
     const auto product = [&](int r, int t) {

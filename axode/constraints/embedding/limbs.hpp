@@ -31,9 +31,11 @@ Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platf
 
 /// Divides a mechanism into limbs, parts that are coupled only through the joints on the path in the spanning
 /// tree from the ground to a body called the platform. `paths` has the paths of all loops in the spanning
-/// tree. Among the 16 bodies that are on the paths of most loops to the ground, the platform is the one for
-/// which an elimination of all velocities, limb by limb, is estimated to cost least. There is no platform if
-/// the elimination costs least without one. O(nv + m d) for m loop equations on paths of d joints.
+/// tree. A body belongs to a loop if it is on a path from the ground to a body that the loop joins or, for a
+/// coupling, to a coupled joint. The candidates for the platform are the bodies that belong to at least two
+/// loops, at most the 16 that belong to the most. The platform is the candidate for which an elimination of
+/// all velocities, limb by limb, is estimated to cost least. There is no platform if the elimination costs
+/// least without one. O(nv + m d) for m loop equations on paths of d joints.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths);
 
 }  // namespace axode

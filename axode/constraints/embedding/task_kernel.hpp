@@ -13,11 +13,11 @@ class LimbPack;
 TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
 
 /// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
-/// and velocities of joints that the platform does not determine. The platform's joint on the ground is most
-/// often a free joint; its velocities are called the carrying velocities. The dependent velocities of each
-/// limb (a chain that carries the platform) are eliminated from its loop equations. The equations that remain
-/// restrict the carrying velocities. Limbs with the same numbers of equations and velocities are computed
-/// together, in SIMD lanes.
+/// and velocities of joints that the platform does not determine. The joint that connects the platform to the
+/// ground in the spanning tree is most often a free joint; its velocities are called the carrying velocities.
+/// The dependent velocities of each limb (a chain that carries the platform) are eliminated from its loop
+/// equations. The equations that remain restrict the carrying velocities. Limbs with the same numbers of
+/// equations and velocities are computed together, in SIMD lanes.
 class AXODE_ENTRY TaskKernel {
  public:
   using Vector = Eigen::VectorXd;
@@ -40,14 +40,15 @@ class AXODE_ENTRY TaskKernel {
   const Model& model() const { return system_.model(); }
   const std::vector<Part>& parts() const { return parts_; }
   const std::vector<int>& carrying() const { return carrying_; }
-  /// The number of velocities of the platform's joint on the ground that can be chosen independently under
-  /// the loop equations: the degrees of freedom of the platform.
+  /// The number of velocities of the joint between the ground and the platform that can be chosen
+  /// independently under the loop equations: the degrees of freedom of the platform.
   int independent() const { return static_cast<int>(carrying_.size()) - dependent_; }
 
-  /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the
-  /// platform's joint on the ground from the loop equations ((D18.2) to (D18.5)). Returns limb_singular with
-  /// the index of a limb whose loop equations do not determine its dependent velocities, constraint_singular
-  /// if the motion of the platform is not determined by its task velocities, and otherwise solved.
+  /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the joint
+  /// between the ground and the platform from the loop equations ((D18.2) to (D18.5)). Returns limb_singular
+  /// with the index of a limb whose loop equations do not determine its dependent velocities,
+  /// constraint_singular if the motion of the platform is not determined by its task velocities, and
+  /// otherwise solved.
   TaskVerdict resolve() noexcept;
   /// Computes the joint velocities or accelerations x (nv) that keep the loops closed, A x = -γ (D18.10),
   /// from task velocities or their rates X (f numbers). A is the Jacobian of the loop equations; γ is the
@@ -122,14 +123,14 @@ class AXODE_ENTRY TaskKernel {
   /// errors.
   bool eliminate_constraints() noexcept;
   /// Computes the matrix N_c of (D18.4) and stores it in `N_`. The loop equations restrict the velocities of
-  /// the platform's joint on the ground, so that only some of these velocities are independent, as many as
-  /// the platform has degrees of freedom. N_c maps the independent velocities of this joint to all its
-  /// velocities.
+  /// the joint between the ground and the platform, so that only some of these velocities are independent, as
+  /// many as the platform has degrees of freedom. N_c maps the independent velocities of this joint to all
+  /// its velocities.
   void solve_constraints() noexcept;
-  /// Replaces the task velocities of the platform: they are independent velocities of the platform's joint on
-  /// the ground before the call, and the chosen components of the platform's twist after it. Changes the
-  /// matrix N that maps task velocities to the velocities of the joint (D18.5). Returns whether the chosen
-  /// components determine the motion of the platform.
+  /// Replaces the task velocities of the platform: they are independent velocities of the joint between the
+  /// ground and the platform before the call, and the chosen components of the platform's twist after it.
+  /// Changes the matrix N that maps task velocities to the velocities of the joint (D18.5). Returns whether
+  /// the chosen components determine the motion of the platform.
   bool change_to_components() noexcept;
   /// Computes the inertias of the bodies with the indices first, first + 1, ..., one in each SIMD lane. They
   /// are in inertial axes, about the origin of the first body on the path from the ground to each body.

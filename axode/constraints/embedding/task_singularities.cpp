@@ -29,10 +29,10 @@ std::string in_words(const Twist<Spatial>& V, double length) {
 }
 
 /// Scaled matrices of a parallel manipulator: the Jacobian of the loop equations, and the matrix that maps
-/// the velocities of the platform's joint on the ground to the platform's twist about `center`, the centre of
-/// the loop joints on the platform. To compare rotations with translations, angular velocities, and loop
-/// equations whose constraint reaction is a pure couple, are multiplied by `length`, the mean distance of
-/// these joints from `center`.
+/// the velocities of the joint that connects the platform to the ground in the spanning tree (most often a
+/// free joint) to the twist of the platform about `center`, the centre of the loop joints on the platform. To
+/// compare rotations with translations, angular velocities, and loop equations whose constraint reaction is a
+/// pure couple, are multiplied by `length`, the mean distance of these loop joints from `center`.
 class Scaled {
  public:
   Scaled(TaskKernel& kernel, std::span<const double> q) : kernel_(kernel), model_(kernel.model()) {
@@ -62,8 +62,8 @@ class Scaled {
   Matrix of(const std::vector<int>& rows, const std::vector<int>& velocities) const {
     return A_(rows, velocities);
   }
-  /// The twist (rad/s, m/s) of the platform, about the inertial origin, for velocities of the platform's
-  /// joint on the ground, all in m/s: angular velocities are multiplied by `length`.
+  /// The twist (rad/s, m/s) of the platform, about the inertial origin, for velocities of the joint between
+  /// the ground and the platform, all in m/s: angular velocities are multiplied by `length`.
   Twist<Spatial> twist(const Vector& carrying) const {
     const Vector X = twists_ * carrying;  // (length ω; v) about the centre
     const Vec3<> w{X[0] / length, X[1] / length, X[2] / length}, v{X[3], X[4], X[5]};
@@ -101,10 +101,10 @@ class Scaled {
     }
     return angles;
   }
-  /// Computes the twists of the platform for a unit of each velocity of the platform's joint on the ground: 1
-  /// m/s for a translation, and 1/length rad/s for a rotation. A twist is (length ω; v) in inertial axes
-  /// about `center`, the centre of the loop joints on the platform, and `length` is their mean distance from
-  /// it.
+  /// Computes the twists of the platform for a unit of each velocity of the joint between the ground and the
+  /// platform: 1 m/s for a translation, and 1/length rad/s for a rotation. A twist is (length ω; v) in
+  /// inertial axes about `center`, the centre of the loop joints on the platform, and `length` is their mean
+  /// distance from it.
   void make_twists() {
     const std::vector<int>& carrying = kernel_.carrying();
     twists_.setZero(6, std::ssize(carrying));
