@@ -140,10 +140,11 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
 }
 
 /// Computes the limit, for h → 0, of a difference quotient on a branch (a smooth set of configurations with
-/// closed loops) by Romberg's method. Points of the branch are displacements from q, and the orthonormal rows
-/// of T span a tangent space. difference(a, b, h) is called for four values of h, each half of the previous
-/// one, with the points a and b of the branch for which T a = h c and T b = -h c, and returns the quotient.
-/// The error of the quotient must be a power series in h².
+/// closed loops) by Romberg's method. Points of the branch are vectors of coordinates, which are 0 at the
+/// configuration q. The orthonormal rows of T span the tangent space of the branch at q or, if the branch is
+/// singular there, at a point near q, and Tᵀ c is a direction in this space. difference(a, b, h) returns the
+/// quotient. It is called for four values of h, each half of the previous one, with the points a and b of the
+/// branch for which T a = h c and T b = -h c. The error of the quotient must be a power series in h².
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {

@@ -15,8 +15,10 @@ namespace axode::higher_order {
 /// S_k x_k). Angles are in rad, and lengths are divided by a characteristic length.
 class Closure {
  public:
-  /// Makes the closure equations of all loops. Lengths are divided by the characteristic length `length`, m;
-  /// if this is 0, by the mean distance between two joints. Throws std::invalid_argument, with the name of
+  /// Makes the closure equations of all loops. Lengths are divided by the characteristic length `length`, m.
+  /// If this is 0, they are divided by the mean distance at q0 between the centres of two joints, over all
+  /// pairs of joints in loops with different centres, or by 1 m if there is no such pair. Joints without a
+  /// definite centre, such as prismatic ones, do not count. Throws std::invalid_argument, with the name of
   /// the loop, if a loop is a rolling contact or a belt.
   Closure(const Model& model, std::span<const double> q0, double length = 0);
 

@@ -19,8 +19,10 @@ struct Direction {
 std::vector<Direction> common_zeros(const PolynomialRings& rings, const PolynomialRing& ring,
                                     const std::vector<Form>& rows);
 
-/// Whether an arc u(t) = e t + u_2 t² + ... in the direction e exists along which the polynomials g of all
-/// equations vanish to the given order: g(u(t)) = O(t^(order + 1)) (D13.14).
+/// Whether an arc u(t) = e t + u_2 t² + ... solves the polynomial equations g(u) = 0 up to a given order in
+/// t: g(u(t)) = O(t^(order + 1)) (D13.14). `rows` has the polynomials g, the coordinates u are the variables
+/// of `ring`, and e is a unit vector in which the terms of lowest degree of all g vanish. The coefficients
+/// u_2, u_3, ... are searched for by least squares.
 bool arc_exists(PolynomialRings& rings, const PolynomialRing& ring, const std::vector<Form>& rows,
                 const Eigen::VectorXd& e, int order);
 
