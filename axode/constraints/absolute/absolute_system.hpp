@@ -131,7 +131,9 @@ class AbsoluteSystem {
   /// Solves M x - Bᵀ λ = r and B x = rhs for x and λ, with the mass matrix M and the constraint Jacobian B of
   /// the last factorisation. The multipliers of loop equations that factorize_with_rank() found redundant are
   /// 0. If the other loop equations are dependent, their multipliers λ_k approximate those with the least Σ
-  /// d_k² λ_k² (D7.8). d_k² is about the rate of loop equation k that its own multiplier λ_k = 1 causes.
+  /// d_k² λ_k² (D7.8). d_k² is about the diagonal entry of A M_t⁻¹ Aᵀ for loop equation k, with the Jacobian
+  /// A of the loop equations by the joint velocities of the spanning tree and the mass matrix M_t of this
+  /// tree.
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
   /// How far the loop equations were from linear dependence in the last solve(), from 0 (dependent) to 1.
   double weakest_row() const { return loops_.weakest_row(); }

@@ -294,14 +294,16 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0 by one Cholesky
   /// factorisation, with the mass matrix M and a given b. The multipliers of equations that are redundant
   /// according to `rank` are 0. Returns false, without λ, if the pivot of another equation is at most 1e-3
-  /// (float: 1e-2) of its diagonal entry of A M⁻¹ Aᵀ, or of a lower limit of this entry.
+  /// (float: 1e-2) of d². For each equation, d² is the larger of two numbers: its diagonal entry of A M⁻¹ Aᵀ,
+  /// and a lower limit, such as 1 % of the largest diagonal entry of its loop.
   bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0, which may be dependent, by
   /// the proximal iteration (D7.8), with the mass matrix M and a given b.
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Sets up the linear system A M⁻¹ Aᵀ λ = -b of the multipliers λ for a given b, with the Jacobian A of the
-  /// loop equations and the mass matrix M of the tree. Each diagonal entry is increased by `filter` times
-  /// itself, or times a lower limit if the entry is less (D7.9). The multipliers of redundant equations
+  /// loop equations and the mass matrix M of the tree. Each diagonal entry is increased by `filter` d²
+  /// (D7.9). For each equation, d² is the larger of two numbers: its diagonal entry of A M⁻¹ Aᵀ, and a lower
+  /// limit, such as 1 % of the largest diagonal entry of its loop. The multipliers of redundant equations
   /// become 0.
   void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
