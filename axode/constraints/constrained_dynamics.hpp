@@ -93,7 +93,8 @@ Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
 
 /// Computes the wrench that each loop joint exerts on its second body for the multipliers λ of the loop
 /// equations (a number for each of the loops().rows equations), in the representation Rep of the frame of
-/// that body. W has one entry for each loop and coupling of the model; entries of couplings of joints are 0.
+/// that body. W has one entry for each loop joint, followed by one for each coupling. The entries of
+/// couplings are 0, because a coupling, an equation of joint coordinates, exerts joint forces alone.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void loop_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                    std::type_identity_t<std::span<Wrench<Rep, T>>> W);

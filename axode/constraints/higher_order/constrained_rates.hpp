@@ -14,8 +14,8 @@ namespace axode {
 /// largest.
 ///
 /// Throws std::invalid_argument for wrong sizes, more than 7 rows of forces, numbers that are not finite, and
-/// a motion of which some derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for m loop
-/// equations.
+/// a motion of which some derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for n
+/// bodies and m loop equations.
 [[nodiscard]] double inverse_dynamics_rates(const Model& model, LoopWorkspace<>& workspace, Numbers<double> q,
                                             Numbers<double> rates, std::span<double> tau,
                                             std::span<const int> drives = {},
