@@ -6,9 +6,10 @@
 namespace axode {
 
 /// New values for the n collision shapes of a model: for each shape a coefficient of friction, a restitution,
-/// and six numbers that displace the shape on its body. The shapes of the ground are first, then those of the
-/// bodies in the order of the description, as in ContactShapes. A span has entries for all shapes, or is
-/// empty if the shapes keep their values.
+/// and a displacement on its body, which is the exponential of a twist in the frame of the shape (six
+/// numbers, angular in rad before linear in m). The shapes of the ground are first, then those of the bodies
+/// in the order of the description, as in ContactShapes. A span has entries for all shapes, or is empty if
+/// the shapes keep their values.
 struct ShapeNumbers {
   std::span<const double> friction = {};     ///< n: coefficients of sliding friction
   std::span<const double> restitution = {};  ///< n

@@ -46,9 +46,10 @@ class ParameterChanges {
   Changes momenta;  ///< changes of M v
   Changes forces;   ///< changes of ∂T/∂q, the derivative of the kinetic energy T at constant v
   Changes gravity;  ///< changes of the generalised forces of gravity
-  /// mass() is the change of the mass of the subtree of a body (1 × p, kg), and center() that of the
-  /// centre of mass of the subtree in inertial axes (3 × p, m), along the p directions of the last call of
-  /// run().
+  /// Changes of the subtree of a body along p given directions in which the inertial and geometric parameters
+  /// of the mechanism change, at constant q; the directions are those of the last call of run(). mass() is
+  /// the change of the mass of the subtree (1 × p, kg), and center() that of its centre of mass in inertial
+  /// axes (3 × p, m).
   Eigen::RowVectorXd mass(int body) const { return dm_.row(body); }
   Eigen::Matrix3Xd center(int body);
 

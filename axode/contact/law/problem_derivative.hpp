@@ -32,8 +32,10 @@ ProblemDerivative differentiate(const VelocityProblem& problem, const double* la
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
 
-/// The derivative of multipliers that obey contact laws, a column for each given change (direction) of the
-/// data on which the velocities of the constraint rows depend.
+/// The derivative of multipliers λ that obey contact laws together with the velocities u of the constraint
+/// rows. u depends on λ and on other data, such as the state or parameters. The derivative has a column for
+/// each of the given changes (directions) of these data, each of which is given by the change of u at
+/// constant λ.
 struct LawDerivative {
   Eigen::MatrixXd multipliers;          ///< dλ of rows scaled by friction coefficients, rows × directions
   bool unique = true, at_kink = false;  ///< see ProblemDerivative

@@ -110,19 +110,20 @@ class VelocityProblem {
 };
 
 /// The certificate of multipliers λ of constraint rows: the error of the laws of contact relative to the
-/// motion, 0 if the laws hold (D11.7). It is |d (λ - resolve(λ - u/d²))| / (|w| + |Y λ|), where `resolve`
-/// maps a trial impulse to the impulse that the law allows, and u = Yᵀ (w + Y λ) + r are the velocities of
-/// the rows. w is D^½ L v for the joint velocities v without impulses and the mass matrix Lᵀ D L, Y λ is the
-/// part that the impulses add, and Y = D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows. d² is about the diagonal
-/// entry of Yᵀ Y for a row, so that u/d² is an impulse and d λ has the unit of w. The certificate is NaN if a
-/// number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
+/// motion, 0 if the laws hold ((D11.7) of docs/derivations). It is
+/// |d (λ - resolve(λ - u/d²))| / (|w| + |Y λ|), where `resolve` maps a trial impulse to the impulse that the
+/// law allows, and u = Yᵀ (w + Y λ) + r are the velocities of the rows. w is D^½ L v for the joint velocities
+/// v without impulses and the mass matrix Lᵀ D L, Y λ is the part that the impulses add, and Y = D^-½ L⁻ᵀ Jᵀ
+/// for the Jacobian J of the rows. r is a given velocity for each row, such as that with which a contact
+/// bounces. d² is about the diagonal entry of Yᵀ Y for a row, so that u/d² is an impulse and d λ has the unit
+/// of w. The certificate is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
 /// Computes the certificate |d ρ| / (|w| + |t|) of multipliers λ of constraint rows: the error of the laws of
-/// contact relative to the motion (D11.7). `residual` has ρ = λ - resolve(λ - u/d²) for each row, where u are
-/// the velocities of the rows for λ, and `resolve` maps a trial impulse to the impulse that the law allows. w
-/// is D^½ L v for the joint velocities v without impulses and the mass matrix Lᵀ D L, and t = Y λ (nv()
-/// numbers) is the part that the impulses add. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the rows, and d² is
-/// about the diagonal entry of Yᵀ Y for a row.
+/// contact relative to the motion ((D11.7) of docs/derivations). `residual` has ρ = λ - resolve(λ - u/d²) for
+/// each row, where u are the velocities of the rows for λ, and `resolve` maps a trial impulse to the impulse
+/// that the law allows. w is D^½ L v for the joint velocities v without impulses and the mass matrix Lᵀ D L,
+/// and t = Y λ (nv() numbers) is the part that the impulses add. Y is D^-½ L⁻ᵀ Jᵀ for the Jacobian J of the
+/// rows, and d² is about the diagonal entry of Yᵀ Y for a row.
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

@@ -17,10 +17,11 @@ template <class T>
 void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& pose,
                  PointList<T>& out) noexcept;
 
-/// Adds the contact points of two spheres or capsules. If one is a sphere, there is one point. Two capsules
-/// whose axes lie side by side along a part of their lengths have a point at both ends of this part. The
-/// point where the axes of two capsules are nearest is added if they do not lie side by side, or if its gap
-/// is smaller than the gaps at both ends.
+/// Adds the contact points of two spheres or capsules. If one is a sphere, there is one point. The axes of
+/// two capsules are segments, which need not be parallel. They lie side by side along the part where their
+/// projections on the axis of `a` overlap. At each end of this part, an end of one axis and the nearest point
+/// of the other give a contact point. The point where the axes are nearest is added if its gap is smaller
+/// than both gaps at the ends. It is the only point if the points at both ends coincide.
 template <class T>
 void touch_round(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
                  PointList<T>& out) noexcept;
