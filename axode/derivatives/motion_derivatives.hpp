@@ -36,9 +36,10 @@ MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Num
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& place, Numbers<T> dq,
                                 Numbers<T> dv, Numbers<T> da);
 
-/// Weights of the components of a MotionChange: of the infinitesimal displacement X of a pose C, which
-/// becomes C exp(ε X^), in body-fixed components, and of the twist V and its time derivative V' in the
-/// representation Rep.
+/// Coefficients w of the linear function w.X · X + w.V · V + w.dV · V' of the motion of a place, a frame on a
+/// body, whose gradient motion_vjp() computes. X is an infinitesimal displacement of the pose C of the place,
+/// which becomes C exp(ε X^), in body-fixed components. V and V' are the components of the twist of the place
+/// and their time derivative, both in the representation Rep.
 template <class Rep, class T> struct MotionWeights {
   Wrench<BodyFixed, T> X;
   Wrench<Rep, T> V, dV;

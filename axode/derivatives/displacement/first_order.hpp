@@ -35,9 +35,10 @@ template <class T> struct FirstOrder {
         NtS(arena, 6, arena.topology().n_screws),
         own(arena.per_velocity<T>()) {}
 
-  /// Computes the ScrewEffects of each joint screw S at a state (q, v) with the accelerations a. They are
-  /// screws (S and its rates as a screw that is fixed to the predecessor) and wrenches (the changes of the
-  /// wrench on the subtree for a motion along S). The entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a are powers of such
+  /// Computes the ScrewEffects of each joint screw S at a state (q, v) with the accelerations a. ScrewEffects
+  /// are screws (S, and its rates as a screw that is fixed to the predecessor) and wrenches: the changes of
+  /// the wrench that the joint transmits to its subtree, by a displacement, by a velocity and by an
+  /// acceleration of the subtree along S. The entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a are sums of powers of such
   /// wrenches on such screws.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
@@ -52,9 +53,10 @@ template <class T> struct FirstOrder {
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
   /// Computes the ScrewEffects of each joint screw S from the motions and inertias of the bodies in `screws`.
-  /// ScrewEffects are screws (S and its rates as a screw that is fixed to the predecessor) and wrenches (the
-  /// changes of the wrench on the subtree for a motion along S). The entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a are
-  /// powers of such wrenches on such screws. `loaded` says whether there are loads (external wrenches).
+  /// ScrewEffects are screws (S, and its rates as a screw that is fixed to the predecessor) and wrenches: the
+  /// changes of the wrench that the joint transmits to its subtree, by a displacement, by a velocity and by
+  /// an acceleration of the subtree along S. The entries of ∂τ/∂q, ∂τ/∂v and ∂τ/∂a are sums of powers of such
+  /// wrenches on such screws. `loaded` says whether there are loads (external wrenches).
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {

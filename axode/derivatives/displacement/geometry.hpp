@@ -5,8 +5,9 @@
 
 namespace axode {
 
-/// Computes ∂τ/∂π of inverse dynamics with respect to geometric parameters π, each of which displaces a
-/// subtree along a unit screw before its joint. See (D1.18) of docs/derivations.
+/// Computes the derivatives ∂τ/∂π of the joint forces τ of inverse dynamics by geometric parameters π. The
+/// six parameters of a body displace its joint and its subtree, relative to the predecessor, along the six
+/// unit screws of the frame that the body has while its joint is at zero. See (D1.18) of docs/derivations.
 template <class T> struct GeometryDerivatives {
   using L = Lanes<T>;
   using Number = typename L::Number;
