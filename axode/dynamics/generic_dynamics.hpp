@@ -16,10 +16,11 @@ namespace axode {
 ///
 /// T needs + - * /, sqrt, sin, cos, `<`, `>`, select and a conversion from double; forward dynamics compares
 /// the values of numbers only, not their derivatives. The recursions run in the representation Rep, on which
-/// results do not depend. All functions except mass_matrix() are O(n), allocate nothing, and throw
-/// std::invalid_argument for an argument of a wrong size. Quaternions in q must have norm 1. Inverse and
-/// forward dynamics throw std::invalid_argument for a mechanism with loops, and for losses of gears if
-/// loads.joint_losses is set. They do not include the forces of springs.
+/// results do not depend. mass_matrix() takes O(n²) operations, all other functions O(n). After construction
+/// no function allocates memory, and every function throws std::invalid_argument for an argument of a wrong
+/// size. Quaternions in q must have norm 1. Inverse and forward dynamics throw std::invalid_argument for a
+/// mechanism with loops, and for losses of gears if loads.joint_losses is set. They do not include the forces
+/// of springs.
 template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
  public:
   explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
