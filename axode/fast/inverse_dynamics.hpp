@@ -52,10 +52,11 @@ template <class G, class T> struct FastInverseDynamics {
   void forward(const Tree<S>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
     forward(tree, q, v, a, g, [](int, const Motion&, const Vector&) {});
   }
-  /// The forward sweep, which computes the resultant wrenches on all bodies. Calls put(i, motion, v_J) for
-  /// every body i. `motion` has the angular velocity and acceleration of the body and the acceleration of its
-  /// origin, if the ground has the acceleration -g. v_J is the linear part of S v, the twist of the body
-  /// relative to its predecessor. All are in the axes of the body.
+  /// The forward sweep, from the roots to the leaves. It computes the resultant wrench on every body. After
+  /// that on body i it calls put(i, motion, v_J), through which the caller receives intermediate results.
+  /// `motion` has the angular velocity and acceleration of the body and the acceleration of its origin, if
+  /// the ground has the acceleration -g. v_J is the linear part of S v, the twist of the body relative to its
+  /// predecessor. All are in the axes of the body.
   template <class S, class Put>
   [[gnu::always_inline]] void forward(const Tree<S>& tree, const T* q, const T* v, const T* a,
                                       const Vec3<T>& g, Put&& put) noexcept {
@@ -143,10 +144,10 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
   }
   /// Computes for each body the sum of the wrenches that its joints exert on it, about its origin and in its
   /// axes. The sum is the resultant wrench of the motion, with the acceleration -g of the ground for gravity,
-  /// minus the applied wrenches. Calls put(i, motion, v_J) for every body i. `motion` has the angular
-  /// velocity and acceleration of the body and the acceleration of its origin, if the ground has the
-  /// acceleration -g. v_J is the linear part of the body's twist relative to its predecessor. All are in the
-  /// axes of the body.
+  /// minus the applied wrenches. For every body i it calls put(i, motion, v_J), through which the caller
+  /// receives intermediate results. `motion` has the angular velocity and acceleration of the body and the
+  /// acceleration of its origin, if the ground has the acceleration -g. v_J is the linear part of the body's
+  /// twist relative to its predecessor. All are in the axes of the body.
   template <class Put>
   [[gnu::always_inline]] void run(const Tree<T>& tree, const T* q, const T* v, const T* a,
                                   const Loads<T>& loads, const Vec3<T>& g, Put&& put) noexcept {

@@ -8,10 +8,10 @@ struct NoRate {};
 template <class Rep, class T, bool rates>
 using MotionResult = std::conditional_t<rates, TwistRate<Rep, T>, Twist<Rep, T>>;
 
-/// Motion of all bodies in inertial axes, for all representations except BodyFixed: the angular velocities ω
-/// and the velocities r' of the origins and, if `rates`, ω' and the classical accelerations r''. With the
-/// vector d from the origin of the predecessor p to that of body i, and with (ω_J; v_J) = S v, (α_J; a_J) = S
-/// a in inertial axes for the joint screws S,
+/// Motion of all bodies in inertial axes, for all representations except BodyFixed: the poses in the inertial
+/// frame, the angular velocities ω and the velocities r' of the origins and, if `rates`, ω' and the classical
+/// accelerations r''. With the vector d from the origin of the predecessor p to that of body i, and with
+/// (ω_J; v_J) = S v, (α_J; a_J) = S a in inertial axes for the joint screws S,
 ///   ω_i = ω_p + ω_J,   r'_i = r'_p + ω_p × d + v_J,
 ///   ω'_i = ω'_p + ω_p × ω_J + α_J,   r''_i = r''_p + ω'_p × d + ω_p × (ω_p × d) + (ω_p + ω_i) × v_J + a_J.
 /// It takes 69 products and sums for a hinge, 114 with rates.

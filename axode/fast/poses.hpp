@@ -40,10 +40,9 @@ template <class T, class S>
 /// Whether joint i is a hinge with a coordinate of its own (not coupled), as most joints of machines are.
 template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hinges[i] > 0; }
 
-/// The rotation R of a body, which takes coordinates in the body frame to some common axes, mostly the
-/// inertial ones, and the vector r to the origin of the body in these axes. The vector r begins at the origin
-/// of the predecessor in the result of place(), and elsewhere at the origin of the inertial frame or of the
-/// root body (the first body on the path from the ground).
+/// A rotation R and a vector r that describe the pose of a body. R takes coordinates in the body frame to the
+/// axes of a reference frame, and r is a vector to the origin of the body, in these axes. The function that
+/// computes them says which reference frame it is and from which point r begins.
 template <class G> struct Placed {
   typename G::Matrix R;
   typename G::Vector r;

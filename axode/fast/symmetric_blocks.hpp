@@ -43,8 +43,9 @@ template <class T>
       [&](auto m) { store_row(block[m], i + m, j, n, to + m * static_cast<std::ptrdiff_t>(n)); });
 }
 
-/// Copies the part of M (n × n) above the diagonal to the part below, except within the square blocks on the
-/// diagonal.
+/// Copies the entries of a matrix M (n × n, row by row) above the diagonal to the entries below it. M is
+/// divided into blocks of W × W entries, where W is the number of lanes of a SIMD register. The blocks on the
+/// diagonal are not changed, so that all their entries must be there already.
 template <class T> void mirror(int n, T* M) noexcept {
   using L = Lanes<T>;
   for (int i = 0; i + L::width < n; i += L::width)
