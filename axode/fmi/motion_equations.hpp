@@ -127,9 +127,11 @@ class MotionEquations {
   void settle_plays(const Point& at);
   /// The loads with the wrenches in `at`. They are valid until the next call.
   Loads<double> loads(const Point& at);
-  /// The joint forces (nv) at the time and the state in `at`: the drive forces tau in `at` plus the forces of
-  /// drives and springs and, if there is dry friction, the forces of joint losses. q is the configuration
-  /// with normalised quaternions. Writes the rates of the drive states x to `dx` unless it is null.
+  /// The joint forces (nv) at the time and the state in `at`. They are the sum of the forces tau in `at`,
+  /// which the importing program gives, of the forces of the drives and springs of the mechanism and, if
+  /// there is dry friction, of the forces of damping and of friction in sliding joints. q is the
+  /// configuration with normalised quaternions. Writes the rates of the states x of the drives to `dx` unless
+  /// it is null.
   std::vector<double> force_sum(const Point& at, Span q, std::vector<double>* dx);
   Derivatives derivatives(const Point& at, Span q);
   /// Computes derivatives by the coordinates before quaternions are normalised, `raw` (nq numbers).
