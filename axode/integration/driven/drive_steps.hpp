@@ -50,10 +50,10 @@ class DriveSteps {
       drives_.set_state(t, q, v, x);
   }
 
-  /// Advances the motion to t_1, in several steps if inputs of drives jump, or the laws of drives change
-  /// their form, before. rates(t, q, v, x, a, dx) must write accelerations a and the rates dx of the
-  /// states x of the drives and return whether it succeeded; close(q, v) must close the loops at the end of a
-  /// step and return whether they are closed.
+  /// Advances the motion to the time t_1. It takes several steps if inputs of drives jump, or drives change
+  /// the form of their laws, before t_1. rates(t, q, v, x, a, dx) must write the accelerations a and the
+  /// rates dx of the states x of the drives at time t and state (q, v, x), and return whether it succeeded.
+  /// close(q, v) must close the loops at the end of a step and return whether they are closed.
   template <class Rates, class Close> End advance(double t_1, const Rates& rates, const Close& close) {
     while (t_ < t_1) {
       if (const End end = take_step(t_1, rates, close); end != End::none) return end;
@@ -64,10 +64,12 @@ class DriveSteps {
 
   /// The time of the present state.
   double t() const { return t_; }
-  /// Takes one step, to t_1 or to an earlier time at which an input of a drive jumps, or just after the time
-  /// at which a drive must change the form of its law. At the end of the step the input and the law have not
-  /// changed yet. rates(t, q, v, x, a, dx) must write accelerations and rates of x and return whether it
-  /// succeeded; close(q, v) must close the loops at the end of the step and return whether they are closed.
+  /// Takes one step to the time t_1, or to an earlier time. If an input of a drive jumps before t_1, the step
+  /// ends at the jump. If a drive must change the form of its law before, for example because a current
+  /// reaches its limit, the step ends just after this time. The whole step is computed with the old inputs
+  /// and laws; switch_now() then changes them. rates(t, q, v, x, a, dx) must write the accelerations a and
+  /// the rates dx of the states x of the drives at time t and state (q, v, x), and return whether it
+  /// succeeded. close(q, v) must close the loops at the end of the step and return whether they are closed.
   template <class Rates, class Close> End take_step(double t_1, const Rates& rates, const Close& close) {
     const std::size_t nv = v.size();
     const auto rates_of = [&](double t, Span q_t, Span y_t, std::span<double> dy) {
@@ -91,7 +93,8 @@ class DriveSteps {
     std::copy_n(after_.y.begin() + static_cast<std::ptrdiff_t>(nv), x.size(), x.begin());
     return close(std::span(q), std::span(v)) ? End::none : End::loops_open;
   }
-  /// Lets inputs jump and statuses change that must do so at the present time. Returns whether one did.
+  /// Changes the inputs of drives that jump at the present time, and the statuses (numbers that say which
+  /// form of a drive's law holds) that must change. Returns whether it has changed one.
   bool switch_now() { return drives_.switch_at(t_, q, v, x); }
 
  private:
