@@ -40,9 +40,13 @@ class ContactStep {
   void continue_from(const ContactStep& other);
 
   Vector q, v, drive_states;  ///< state at the end of the step
-  /// The relative error of the laws of contact in the step: the velocities that the error of the impulses
-  /// causes, divided by all velocities, both measured by √(vᵀ M v) with the mass matrix M. An error that is
-  /// not larger than the effect of rounding the positions does not count.
+  /// The relative error of the laws of contact in the step: the larger one of those for the impulses at its
+  /// start and at its end. If the step is computed in parts, it is the largest one of all parts. The error of
+  /// impulses is their difference from the impulses that the laws give for the velocities after them. The
+  /// relative error is the norm of the velocities that this difference causes, divided by the sum of the
+  /// norms of the velocities without impulses and of those that the impulses add. The norm of velocities v is
+  /// √(vᵀ M v) with the mass matrix M. An error at the start that is not larger than the effect of rounding
+  /// the positions does not count.
   double certificate = 0;
   bool touched = false;  ///< whether an impulse acted
   /// An estimate of the error of the end of the step, a displacement (m), that arises because a contact began
@@ -86,11 +90,12 @@ class ContactStep {
   /// Finds the contacts with gaps up to `margin` of bodies with the poses C_.
   Failure find(double margin, std::vector<Contact>& contacts, double t);
   double reach(double h, const Vector& v_0);
-  /// Iterates for the impulses at the start of the step and the free motion after them.
+  /// Computes, by iteration, the impulses that act at the start of the step and the free motion after them.
   Failure move(double t, double h, const Vector& v_0, double margin);
   Failure fly(double enough);
-  /// The residual of the laws of contact for the impulses at the start of the step, after the last iteration.
-  /// It becomes small even where friction leaves the impulses badly determined.
+  /// The relative error of the laws of contact, see `certificate`, for the impulses that act at the start of
+  /// the step. They are computed by iteration; the error is that of the last iterate. It becomes small even
+  /// if, because of friction, the laws hardly determine the impulses.
   double law_error();
   double rounding_error(double h) const;
   void set_compliances(double h);

@@ -88,9 +88,9 @@ double ContactStep::law_error() {
   return axode::certificate(problem, start_.lambda.data(), scratch_.data());
 }
 
-/// The part of law_error(), the residual of the laws of contact at the start of the step, that rounding
-/// errors of positions may cause. The velocities in these laws are differences of gaps divided by the length
-/// h of the step, so that rounding errors of positions enter them divided by h.
+/// The part of law_error(), the relative error of the laws of contact for the impulses at the start of the
+/// step, that rounding errors of positions may cause. The velocities in these laws are differences of gaps
+/// divided by the length h of the step, so that rounding errors of positions enter them divided by h.
 double ContactStep::rounding_error(double h) const {
   const double size = start_.system.problem().w.norm() + start_.x.norm();
   if (!(size > 0)) return 0;

@@ -100,12 +100,13 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
 }
 
 /// Adds the changes of the moving frames of floating bases to dq and dv, along the directions in which a step
-/// is differentiated. The coordinates of a floating base are relative to its moving frame, which does not
-/// rotate and falls with gravity. At the start of a substep (a step of a simulation or a part of one), this
-/// frame has the velocity u of the centre of mass of the base with its subtree. dq receives the changes of u
-/// times of_place (s), and dv the changes of the velocity of the frame, `time` (s) after the start, times
-/// of_velocity (1 or 0). If of_place is equal to `time`, dq receives the changes of the position of the
-/// frame. dq or dv may be null.
+/// is differentiated; one of them may be null. The coordinates of a floating base are relative to its moving
+/// frame, which does not rotate and falls with gravity g. At the start of a substep (a step of a simulation
+/// or a part of one), this frame has the velocity u of the centre of mass of the base with its subtree. A
+/// `time` (s) later its velocity is u + g time. dv receives the changes of this velocity, times of_velocity
+/// (1 or 0). g is constant, but the velocity is in the axes of the base, so that it also changes if the base
+/// rotates, which is part of dq_moving, the changes of the coordinates relative to the moving frames. dq
+/// receives the changes of the displacement of the frame since the start; of_place must then be `time`.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);
