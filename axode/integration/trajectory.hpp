@@ -132,9 +132,10 @@ class Trajectory {
   /// The names of the collision shapes in a motion with contact, in the order of their numbers in contacts.
   std::vector<std::string> contact_shapes;
 
-  /// The contacts at the end t_k of a step of a motion with contact: the points with a gap below the margin
-  /// of the shapes, and those that received an impulse in the step. Forces are the means over the step, so
-  /// that an impact counts as a force. Empty for k = 0, and in a motion without contact.
+  /// The contacts at the end t_k of a step of a motion with contact: the points at which the gap between two
+  /// shapes is below ContactDescription::margin (m), and the points that received an impulse in the step.
+  /// Forces are the means over the step, so that an impact counts as a force. Empty for k = 0, and in a
+  /// motion without contact.
   std::span<const ContactForce> contacts(std::size_t k) const;
   /// The contacts of the step in which a time (s) lies; a time at the end of a step belongs to that step.
   std::span<const ContactForce> contacts_at(double time) const;

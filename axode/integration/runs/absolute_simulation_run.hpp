@@ -13,8 +13,9 @@
 
 namespace axode {
 
-/// A motion that is integrated in absolute coordinates: q are the poses of the bodies, and v and a their
-/// velocities and accelerations. The trajectory contains those of the joints.
+/// A motion that is integrated in absolute coordinates: q are the poses of the bodies, and v and a are the
+/// velocities and accelerations of the bodies. The trajectory contains joint coordinates, joint velocities
+/// and joint accelerations instead.
 class AbsoluteSimulationRun {
  public:
   using Vector = std::vector<double>;
@@ -55,10 +56,11 @@ class AbsoluteSimulationRun {
   double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// The scale against which rounding errors of velocities are judged, in the energy norm. It is the largest
-  /// of the norm of the velocities `v_t` of the bodies at a time in a step of length h (s), the norms of the
-  /// changes of velocities by gravity and by joint forces in this step, and a small part of the norm of the
-  /// coordinates, divided by h, so that the scale is not 0 at rest.
+  /// The scale with which rounding errors of velocities are compared, for a step of length h (s). It is the
+  /// largest of three numbers: the norm of the velocities `v_t` of the bodies, the norm of the velocities
+  /// that gravity or the joint forces cause in the time h, and 1e-8 times the norm of the joint coordinates,
+  /// divided by h, so that the scale is not 0 at rest. All are energy norms √Σ m_c x_c², with a constant
+  /// inertia m_c for each velocity.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }

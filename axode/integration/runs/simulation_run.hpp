@@ -27,9 +27,10 @@ struct StepEnd {
 };
 /// Callback that computes the state at the end of a step from the present time to t_1. For each acceleration
 /// that it computes, SimulationRun records the violation of dry friction and how near the loop equations are
-/// to linear dependence. So that no records of earlier attempts at the step remain, the callback must begin
-/// with begin_step(), which resets the records, or end with check_sticking(), which resets them and, if
-/// joints stick, computes the accelerations at the end of the step.
+/// to linear dependence. The records of earlier attempts at the step must be reset. For this the callback
+/// calls begin_step() at its beginning. If only the acceleration at the end of the step is to be recorded, it
+/// calls check_sticking() at its end instead, which resets the records and, if joints stick, computes this
+/// acceleration.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
 /// The part of a simulation in joint coordinates that all integration schemes share: trajectory and present
@@ -65,10 +66,12 @@ class SimulationRun {
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
-  /// The scale against which rounding errors of velocities are judged: the size, in the energy norm, of the
-  /// terms from which a step of length h computes the velocities. It is the largest of the norm of the
-  /// velocities v_t, if they are given; the norm of their change by gravity and joint forces in the step; and
-  /// a small part of the norm of the coordinates, divided by h, so that the scale is not 0 at rest.
+  /// The scale with which rounding errors of velocities are compared, for a step of length h (s). It is the
+  /// largest of three numbers: the norm of the velocities v_t (nv) at a time in the step, the norm of the
+  /// velocities that gravity or the joint forces cause in the time h, and 1e-8 times the norm of the
+  /// coordinates, divided by h, so that the scale is not 0 at rest. The function without the argument v_t
+  /// leaves out the first number. All are energy norms √Σ m_c x_c², with a constant inertia m_c for each
+  /// velocity.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(v_t), velocity_scale(h));
   }

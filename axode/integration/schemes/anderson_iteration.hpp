@@ -39,11 +39,12 @@ class AndersonIteration {
 
   /// Takes a step of the iteration. x is given in parts, such as velocities and multipliers, each with its
   /// part of dx, the change of x by the fixed-point iteration without Anderson's method. The first part must
-  /// consist of velocities or accelerations. The next x replaces x. The iteration has converged if the norm
-  /// of the first part of dx is at most 2e-14 `size`, a rounding error of numbers of the magnitude `size`. It
-  /// has also converged if this norm has fallen below 1e-7 `size` and has not halved in four steps, and if
-  /// is_rounding() says that it consists of rounding errors. If it has converged, x becomes the x + dx of the
-  /// step in which this norm was least.
+  /// consist of velocities or accelerations. The next x replaces x. `size` is the norm of the largest terms
+  /// from which the first part of x is computed, a scale for its rounding errors. The iteration has converged
+  /// if the norm of the first part of dx is at most 2e-14 `size`. It has also converged if this norm has been
+  /// below 1e-7 `size` and has not halved in the last four steps, and if is_rounding() returns true, that is,
+  /// if dx consists of rounding errors. If the iteration has converged, x becomes the x + dx of the step in
+  /// which the norm was least.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     const bool stalled = read(size, parts);
     return advance(size, parts, stalled && is_rounding());
@@ -54,8 +55,9 @@ class AndersonIteration {
 
  private:
   /// Reads x and dx from `parts`; the first part consists of velocities or accelerations, and others may be
-  /// multipliers. Returns whether the norm of the first part of dx has fallen below 1e-7 `size` and has not
-  /// halved in four steps.
+  /// multipliers. Returns whether the norm of the first part of dx has been below 1e-7 `size` and has not
+  /// halved in the last four steps. `size` is the norm of the largest terms from which the first part of x is
+  /// computed.
   bool read(double size, std::initializer_list<Part> parts);
   Status advance(double size, std::initializer_list<Part> parts, bool is_rounding);
   /// The combination of the results of the last steps, for n measured numbers.

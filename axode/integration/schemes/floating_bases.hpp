@@ -114,10 +114,11 @@ class FloatingBases {
       root.constant = root.constant && !pushed;
     }
   }
-  /// Advances the spatial momenta y of the floating bases by a time h (s): y becomes y + h y'. On entry the
-  /// six entries of each floating base in f (nv numbers) must contain p' - ad_vᵀ p, with the joint momenta p
-  /// and the twist v of the base relative to its moving frame. rates() computes y' from them, and y' replaces
-  /// them. The other entries of f do not change. For `pushed` see rates().
+  /// Advances the spatial momenta y of the floating bases by a time h (s): y becomes y + h y'. Each floating
+  /// base has a moving frame, which does not rotate and falls with gravity; y, p and v belong to the motion
+  /// relative to this frame. On entry the six entries of each floating base in f (nv numbers) must contain
+  /// p' - ad_vᵀ p, with the joint momenta p and the body-fixed twist v of the base. rates() computes y' from
+  /// them, and y' replaces them. The other entries of f do not change. For `pushed` see rates().
   void advance(const double* q, double h, bool pushed, double* f, double* y) {
     rates(q, pushed, f, f);
     for (const Root& root : roots_)
