@@ -158,8 +158,9 @@ class Solver {
   }
   /// Holds the joints that are at a position limit and that a displacement along `gradient` (nv numbers)
   /// would move beyond this limit. Their columns of the Jacobian become 0, and so do their entries of
-  /// `gradient` and of `direction`, the displacement from which `gradient` was computed; both may be the same
-  /// vector. Returns whether there was such a joint.
+  /// `gradient` and `direction`. Either both are the same vector, the negative gradient of half the squared
+  /// error, or `direction` is a wanted displacement and `gradient` its projection onto the null space of the
+  /// Jacobian. Returns whether it has held a joint.
   bool stop_at_limits(Vector& gradient, Vector& direction) {
     if (!options_.limits) return false;
     bool held = false;

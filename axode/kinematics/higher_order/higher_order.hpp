@@ -24,8 +24,10 @@ template <class T = double> class AXODE_ENTRY HigherOrderMotion {
 
   int order() const;
 
-  /// Computes the motion from q and from `rates`, which are v, v', v'', ...: (order + 1) nv numbers, row by
-  /// row, in the joints' left-trivialised directions. O(n order²).
+  /// Computes the poses of all bodies, and the twists of bodies and the joint screws with their time
+  /// derivatives up to `order`. They are stored in this object, for twist_derivative() and
+  /// jacobian_derivative(). `rates` has v, v', v'', ... in the joints' left-trivialised directions,
+  /// (order + 1) rows of nv numbers. O(n order²).
   void evaluate(Numbers<T> q, Numbers<T> rates);
 
   /// The k-th time derivative, k = 0 to `order`, of the components of the twist of a place (a frame on a

@@ -9,7 +9,8 @@ namespace axode {
 
 /// The displacement of the body frame by joint i: exp(X q) for one joint screw X, otherwise S_self C_J(q)
 /// S_self⁻¹ with the pose S_self of the joint frame on the body and the joint's motion C_J(q). q has only the
-/// coordinates of this joint, or of its leader if the joint is coupled.
+/// coordinates of this joint. If the joint is coupled, q has the coordinate of its leader instead, and the
+/// displacement is exp(X (ratio q + offset)) with the ratio and the offset of the coupling.
 template <class T> SE3<T> joint_displacement(const Model& model, int i, const T* q) {
   const Joint& joint = model.joint(i);
   if (joint.leader || joint.nv == 1) {

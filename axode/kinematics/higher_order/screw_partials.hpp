@@ -150,10 +150,11 @@ template <class Rep, class T> class ScrewPartials {
       tails_[k] = k + 1 == chain_.size() ? J.v : cross(J.w, tails_[k + 1]);
     }
   }
-  /// The linear part of the partial derivative of the hybrid screw a along the directions in chain_, which
-  /// are joint screws of the path to a place (a frame on a body). It is the derivative of the position of the
-  /// place along screw a and along each of these directions (D15.4). `inward` is the number of directions
-  /// that belong to the joint of screw a or to joints between it and the ground.
+  /// The linear part of the partial derivative of the hybrid screw a along the n directions in chain_, which
+  /// are joint screws of the path to a place (a frame on a body). It is the mixed derivative, of order n + 1,
+  /// of the position of the place: once along screw a, and then once along each of these directions (D15.4).
+  /// `inward` is the number of directions that belong to the joint of screw a or to joints between it and the
+  /// ground.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
