@@ -44,12 +44,12 @@ class Arena {
     return array<U>(n);
   }
   /// Each function takes an array from the arena: per_body() with an entry for the ground and each body,
-  /// per_screw() for each joint screw, and per_velocity() for each joint velocity. The last three are for
-  /// coupled joints. A tie is a pair of a velocity that several joints share and a body on the paths from
-  /// these joints to the body where the paths meet. per_tie() has an entry for each tie, per_tie_and_screw()
-  /// for each tie and each screw of the joint of its body, and per_pair_of_ties() for each ordered pair of
-  /// ties of one body that the elimination of velocities can couple (ties of a group of Topology::Ties), each
-  /// tie with itself included.
+  /// per_screw() for each joint screw, and per_velocity() for each joint velocity. Three more functions are
+  /// for coupled joints. They count ties: a tie is a pair of a velocity that several joints share and a body
+  /// on the paths from these joints to the body where the paths meet. per_tie() has an entry for each tie,
+  /// and per_tie_and_screw() for each tie and each screw of the joint of its body. per_pair_of_ties() has an
+  /// entry for each ordered pair of ties of one body, a tie with itself included, that the elimination of
+  /// velocities can couple (ties of a group of Topology::Ties).
   template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
   template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
   template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }

@@ -74,10 +74,10 @@ class Compiler {
   /// Where a body of the description is in the model. `carrier` is the index of the moving body into which
   /// the described body is merged (0 for the ground) or, if it is not merged, its own index. The joint frame
   /// of the carrier has the pose S F in the frame of the described body. If the described body is merged and
-  /// its geometry is given in the inertial frame, F is the identity. Otherwise S is the pose of the body's
-  /// own joint frame in the body frame, and F the pose of the carrier's joint frame in that joint frame. S
-  /// and F are stored separately, because S F may be a short displacement while S and F are long ones, so
-  /// that digits would be lost.
+  /// its pose is given in the inertial frame, S is this whole pose and F is the identity. Otherwise S is the
+  /// pose of the body's own joint frame in the body frame, and F the pose of the carrier's joint frame in
+  /// that joint frame. S and F are stored separately, because S F may be a short displacement while S and F
+  /// are long ones, so that digits would be lost.
   struct Carried {
     int carrier = 0;
     SE3<> S, F;
