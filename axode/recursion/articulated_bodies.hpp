@@ -275,9 +275,10 @@ template <class Rep, class T> struct ArticulatedBodies {
   static bool own_tie_ends(const Topology::Ties& ties, int i) {
     return ties.own[i] >= 0 && ties.up[ties.own[i]] < 0;
   }
-  /// Whether tie o is eliminated after tie t, both ties of body i. A tie of body i is a column of its
-  /// articulated inertia for a velocity that coupled joints share, some of them in the subtree of body i; the
-  /// velocity is eliminated at body i or nearer to the ground.
+  /// Whether tie o is eliminated after tie t, both ties of body i. A tie of body i is a velocity that coupled
+  /// joints share, some of them in the subtree of body i, and that is eliminated at body i or nearer to the
+  /// ground. For each tie the articulated inertia (6 × 6) of the body has an additional column, the wrench on
+  /// the body for a unit rate of the velocity.
   static bool waits(const Topology::Ties& ties, int i, int o, int t) {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
@@ -304,9 +305,9 @@ template <class Rep, class T> struct ArticulatedBodies {
   /// Adds joint screw S = S[s] of body i to the tie of the velocity that its joint shares with other, coupled
   /// joints. S is the screw for a unit rate of this velocity, and M the articulated inertia of body i. A tie
   /// t is an additional column U_t (U_tie) of M for a shared velocity: the wrench on the body for a unit
-  /// rate. D_to (D_tie) is the inertia that couples the ties t and o of the body. By (D4.11) of
-  /// docs/derivations, for the tie t of this velocity and every other tie o of the body that is eliminated
-  /// later,
+  /// rate. D_to (D_tie) is the inertia that couples the ties t and o of the body. Velocities are eliminated
+  /// from M one after the other, and their ties are then no longer updated. By (D4.11) of docs/derivations,
+  /// for the tie t of this velocity and every other tie o of the body that is not eliminated yet,
   ///   D_tt += 2 U_t·S + Sᵀ M S,  D_to += U_o·S,  then  U_t += M S.
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -327,9 +328,10 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
   /// Eliminates the velocity of screw S = S[s] of body i from the articulated inertia M of the body and from
   /// its ties. A tie is an additional column of M for a velocity that several coupled joints share and that
-  /// is eliminated nearer to the ground. G = F S, where F has the magnitudes of the numbers from which M was
-  /// computed, against which rounding errors are compared; `size` is the magnitude of the numbers from which
-  /// the pivot D was computed.
+  /// is eliminated nearer to the ground. U[s] = M S and the pivot D[s] = Sᵀ M S + armature must have been
+  /// computed. F = F[i] has the magnitudes of the numbers from which M was computed. The arguments G = F S
+  /// and `size` = Sᵀ F S + armature are magnitudes of the same kind, for U[s] and D[s]; from them the
+  /// function updates F, which serves to estimate rounding errors.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;

@@ -17,7 +17,8 @@
 ///  inertia       M           Ad_C⁻ᵀMAd_C⁻¹ Ad_R⁻ᵀMAd_R⁻¹            M (body-fixed)   inertia of body i
 ///  newton_euler  eq. NEb     eq. NEs       eq. NEh                  eq. NEcmixed     wrench on body i
 ///
-/// `down` and `up` are dual to each other, see (D4.1) of docs/derivations. Equations are Müller's.
+/// `down` and `up` are dual to each other, see (D4.1) of docs/derivations. Names of equations are the labels
+/// in Müller's paper, see docs/notation.md.
 namespace axode {
 
 template <class Rep, class T> struct Link;
@@ -117,9 +118,10 @@ template <class T> struct Link<Hybrid, T> {
   constexpr ArticulatedInertia<Hybrid, T> up(const ArticulatedInertia<Hybrid, T>& M) const {
     return transform(r_pi, M);
   }
-  /// The part ad_{r'_ip} V_p + ad_ω (X v) of the twist rate V'_i that is due to velocities, with the twist
-  /// V_p of the predecessor p, the angular velocity ω of body i, the velocities r'_p and r'_i of the origins,
-  /// r'_ip = r'_p - r'_i, and the twist X v of the joint in inertial axes (Müller, eqs. recVhdot1, dVhRec2).
+  /// The part ad_{r'_ip} V_p + ad_ω (X v) of the hybrid twist rate V'_i of body i that is due to velocities
+  /// (equations recVhdot1 and dVhRec2 of Müller's paper, see docs/notation.md). V_p is the hybrid twist of
+  /// the predecessor p, ω the angular velocity of body i, and X v the twist of the joint in inertial axes.
+  /// r'_ip = r'_p - r'_i is the difference of the velocities of the origins of p and i.
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};

@@ -74,8 +74,8 @@ template <class T> struct SpatialTree {
   }
 };
 
-/// Spatial twists of all bodies and momenta Π_i^A of their subtrees, about the origin of the root body (the
-/// first body on the path from the ground).
+/// The twists of all bodies and the momenta Π_i of their subtrees. Both are in inertial axes about the
+/// present position of the origin of the root body (the first body on the path from the ground).
 template <class T> struct SubtreeMomenta {
   Twist<Spatial, T>* V;
   Momentum<Spatial, T>* Pi;
