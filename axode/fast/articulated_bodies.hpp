@@ -436,9 +436,10 @@ template <class G, class T> struct FastArticulatedBodies {
       return k >= 0 && k < L::width ? L::load(shifted.data() + L::width - k) : Several(T(0));
     }
   }
-  /// Computes, in inertial axes, the rotation of the joint frame of body i, the vector to its origin from the
-  /// origin of the predecessor, and the inertia of the body about its origin. Before the call last_R must be
-  /// the rotation of body i - 1; after it, last_R is the rotation of body i.
+  /// Computes, in inertial axes, the rotation of the joint frame of body i, the vector to the origin of this
+  /// frame from the origin of the joint frame of the predecessor, and the inertia of body i about the origin
+  /// of its joint frame. Before the call last_R must be the rotation of the joint frame of body i - 1; after
+  /// the call it is that of body i.
   template <class S>
   [[gnu::always_inline]] void update_kinematics(const Tree<S>& tree, int i, const T* q,
                                                 Matrix& last_R) noexcept {

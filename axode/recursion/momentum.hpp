@@ -81,7 +81,7 @@ template <class Rep, class T> struct MomentumForm {
 
  private:
   /// Adds a force to `force` for every joint screw S of each body: the power of the wrench W^c + ad_Vᵀ Π^c
-  /// along S. V is the twist of the body (bodies.X). W^c is the sum of the wrenches of gravity and loads on
+  /// along S. V is the twist of the body. W^c is the sum of the wrenches of gravity and loads on
   /// the bodies of the subtree, the body itself included, and Π^c the sum of their momenta.
   template <class AnyTree> void add_body_forces(const AnyTree& tree, bool has_wrenches) noexcept {
     const auto& link = bodies.links.link;

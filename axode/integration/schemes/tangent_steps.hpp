@@ -13,7 +13,7 @@
 namespace axode {
 
 /// Runge-Kutta-Munthe-Kaas steps of the state (q, y), where y has the velocities v and possibly other states,
-/// and of its displacements along several directions at once.
+/// and of its derivatives along several directions at once.
 class TangentSteps {
  public:
   using Span = std::span<const double>;

@@ -119,8 +119,9 @@ class States {
 
   /// Throws SingularError or NotFiniteError if some states failed. The error contains `result`, the array
   /// with the results of all states of the call. `found` says for each state whether and why it failed, and
-  /// may be empty. States with results that are not finite have failed too, by default for the reason
-  /// `otherwise`. The NaN of an operational-space inertia that does not exist is not a failure.
+  /// may be empty. A state for which `found` gives no reason has failed too if one of its results is not
+  /// finite; its reason is then `otherwise`. The NaN of an operational-space inertia that does not exist is
+  /// not a failure.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
   /// Throws an error of the type `error` of axode.errors. `refused` are the indices of the states that could
