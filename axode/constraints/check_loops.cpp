@@ -4,7 +4,17 @@
 #include <stdexcept>
 #include <string>
 
+#include "axode/constraints/stable_norm.hpp"
+
 namespace axode {
+namespace {
+
+/// The part of `x` that belongs to one range of rows.
+std::span<const double> loop_part(std::span<const double> x, int first, int size) {
+  return x.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size));
+}
+
+}  // namespace
 
 void check_drives(const Model& model, std::span<const int> drives) {
   for (const int c : drives)
@@ -24,19 +34,21 @@ std::vector<int> driven(const Model& model, std::span<const int> drives) {
 
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v) {
   const Loops& loops = system.model().loops();
-  Eigen::VectorXd r(std::max(loops.residuals, loops.rows));
+  std::vector<double> r(static_cast<std::size_t>(std::max(loops.residuals, loops.rows)));
   system.update_kinematics(q.data());
   system.residual(q.data(), r.data());
   for (const LoopRows& loop : loops.all)
-    if (const double open = r.segment(loop.first_residual, loop.residuals).norm(); !(open <= closed_enough))
+    if (const double open = stable_norm(loop_part(r, loop.first_residual, loop.residuals));
+        !is_within(open, closed_enough))
       throw std::invalid_argument(
           "q leaves loop \"" + loop.name + "\" open by " + to_text(open) +
           " (rad and m); assemble() closes it, in a shell --assemble, as \"axode eval FILE --assemble\"");
   system.make_rows(ConstraintLevel::velocity);
   system.velocity_residual(v.data(), r.data());
-  const double size = 1 + Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)).norm();
+  const double size = 1 + stable_norm(v);
   for (const LoopRows& loop : loops.all)
-    if (const double rate = r.segment(loop.first_row, loop.rows).norm(); !(rate <= closed_enough * size))
+    if (const double rate = stable_norm(loop_part(r, loop.first_row, loop.rows));
+        !is_within(rate, closed_enough * size))
       throw std::invalid_argument("v does not keep loop \"" + loop.name + "\" closed: A v is off by " +
                                   to_text(rate) +
                                   " (rad/s and m/s); assemble() finds such velocities, in a shell "
@@ -47,16 +59,12 @@ void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<
                          Numbers<double> a) {
   constexpr double tolerance = 1e-3;  // the tolerance is wide, because accelerations from measurements or
                                       // finite differences have few correct digits
-  const Loops& loops = system.model().loops();
-  const auto norm = [](Numbers<double> x) {
-    return Eigen::Map<const Eigen::VectorXd>(x.data(), std::ssize(x)).norm();
-  };
-  const double size = 1 + norm(a) + norm(v) * norm(v);
+  const double speed = stable_norm(v);
+  const double bound = tolerance * (1 + stable_norm(a)) + (tolerance * speed) * speed;
   const std::span<const double> rates = system.acceleration_residual(a.data());
-  for (const LoopRows& loop : loops.all) {
-    const double error =
-        norm(rates.subspan(static_cast<std::size_t>(loop.first_row), static_cast<std::size_t>(loop.rows)));
-    if (error <= tolerance * size) continue;
+  for (const LoopRows& loop : system.model().loops().all) {
+    const double error = stable_norm(loop_part(rates, loop.first_row, loop.rows));
+    if (is_within(error, bound)) continue;
     check_closed(system, q, v);
     throw std::invalid_argument(
         "a does not keep loop \"" + loop.name + "\" closed: A a + gamma is " + to_text(error) +

@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/QR>
+#include <limits>
 
 #include "axode/constraints/assembly.hpp"
+#include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/mobility.hpp"
@@ -270,6 +272,29 @@ TEST_P(ClosedMechanisms, AreNotDrivenWhereLoopsTear) {
   EXPECT_THAT(refusal(a), testing::StartsWith("q leaves loop \"")) << "which is why";
 }
 
+/// Squares of velocities and accelerations above 1e154 are not representable.
+TEST_P(ClosedMechanisms, RefuseMotionsThatOpenLoopsHoweverFastTheyAre) {
+  ClosedState at(model, 2);
+  LoopSystem<double>& system = at.loops.system(model);
+  const MatrixXd A = jacobian_of(model, at);
+  const VectorXd apart = (A.transpose() * (A * VectorXd::Ones(model.nv()))).normalized(),
+                 a = acceleration_of(model, at, at.tau);
+  Numbers tau(at.v.size());
+  const auto at_velocity = [&](const VectorXd& v) { check_closed(system, at.q, numbers(v)); };
+  const auto at_acceleration = [&](const VectorXd& a_apart) {
+    static_cast<void>(inverse_dynamics(model, at.loops, at.q, at.v, numbers(a_apart), tau));
+  };
+  const auto refuses = [](const char* what) {
+    return testing::ThrowsMessage<std::invalid_argument>(testing::StartsWith(what));
+  };
+  for (const double size : {1e-310, 1e-160, 1.0, 1e160, 1e300})
+    EXPECT_NO_THROW(at_velocity(size * vector(at.v))) << size;
+  for (const double size : {1.0, 1e160, 1e300, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THAT([&] { at_velocity(size * apart); }, refuses("v does not keep loop \"")) << size;
+    EXPECT_THAT([&] { at_acceleration(a + size * apart); }, refuses("a does not keep loop \"")) << size;
+  }
+}
+
 TEST(Couplings, AreNotDrivenApart) {
   Description two;
   for (const char* name : {"one", "other"})
@@ -289,6 +314,12 @@ TEST(Couplings, AreNotDrivenApart) {
       },
       testing::ThrowsMessage<std::invalid_argument>(testing::StartsWith(
           "a does not keep loop \"gears\" closed: A a + gamma is 2 (rad/s^2 and m/s^2)")));
+  EXPECT_THAT(
+      [&] {
+        check_closed(workspace.system(model), Numbers{1e300, 0}, rest);
+      },
+      testing::ThrowsMessage<std::invalid_argument>(
+          testing::StartsWith("q leaves loop \"gears\" open by 1e+300 (rad and m); ")));
 }
 
 TEST_P(ClosedMechanisms, LoseTheEnergyOfAnImpact) {

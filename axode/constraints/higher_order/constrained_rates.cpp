@@ -4,7 +4,9 @@
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/higher_order/loop_series.hpp"
+#include "axode/constraints/stable_norm.hpp"
 #include "axode/derivatives/displacement/force_series.hpp"
+#include "axode/eigen.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/recursion/least_squares.hpp"
 
@@ -24,10 +26,11 @@ void check_motion(const Model& model, const LoopSeries& loops, Numbers<double> r
   for (int k = 0; k <= loops.order(); ++k) {
     const Vector known = loops.known_terms(rates.data(), k),
                  own = loops.derivative(0) * Eigen::Map<const Vector>(rates.data() + k * nv, nv);
-    const double size = 1 + known.norm() + own.norm();
+    const double size = 1 + stable_norm(as_span(known)) + stable_norm(as_span(own));
     for (const LoopRows& loop : model.loops().all) {
-      const double error = (known + own).segment(loop.first_row, loop.rows).norm();
-      if (!(error <= tolerance * size))
+      const Vector rest = (known + own).segment(loop.first_row, loop.rows);
+      const double error = stable_norm(as_span(rest));
+      if (!is_within(error, tolerance * size))
         throw std::invalid_argument("rates: row " + std::to_string(k) + " does not keep loop \"" + loop.name +
                                     "\" closed: derivative " + std::to_string(k) + " of A v is " +
                                     to_text(error) +
