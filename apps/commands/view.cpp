@@ -9,6 +9,7 @@
 #include <memory>
 #include <sstream>
 
+#include "apps/commands/assembling.hpp"
 #include "apps/files/model_options.hpp"
 #include "apps/files/motion_file.hpp"
 #include "apps/files/state.hpp"
@@ -96,6 +97,10 @@ void run(const ViewOptions& options) {
   std::vector<double> q = first_configuration(model);
   if (!options.motion.empty()) q.assign(shown.motion.q.begin(), shown.motion.q.begin() + model.nq());
   if (!options.state.empty()) q = read_state(model, options.state).q;
+  State shown_state = neutral_state(model);
+  shown_state.q = q;
+  if (const auto open = open_loop(model, shown_state, options.mechanism.strict))
+    fmt::print(stderr, "{}\n", in(Ink::warning, "warning: " + *open, stderr));
   std::ostringstream text;
   const SceneContents contents = write_page(page, model, q, text, shown);
   for (const std::string& warning : contents.warnings)

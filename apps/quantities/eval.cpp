@@ -184,16 +184,6 @@ Json as_json(const Question& ask, const std::string& representation, const Json&
   return out;
 }
 
-/// Returns a warning if a loop is open at the state: functions that assume closed loops do not notice it.
-/// `place` names the state. Throws InputError instead if warnings are errors.
-std::optional<std::string> warning_of_loops(const Question& ask, const Options& options,
-                                            const std::string& place = {}) {
-  std::optional<std::string> open = open_loop(ask.model, ask.state);
-  if (open) open = place + *open;
-  if (open && options.mechanism.strict) throw InputError(*open);
-  return open;
-}
-
 void print_warnings(const Question& ask, const Options& options, const std::optional<std::string>& open) {
   if (open) fmt::print("\n{}\n", in(Ink::warning, "warning: " + *open));
   const auto warnings = ask.model.warnings();
@@ -224,7 +214,7 @@ std::string heading(const Quantity& quantity, const std::string& label) {
 void run(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask) {
   ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
   assemble(ask.model, options.assembling, ask.state);
-  const std::optional<std::string> open = warning_of_loops(ask, options);
+  const std::optional<std::string> open = open_loop(ask.model, ask.state, options.mechanism.strict);
   Json results = Json::object(), labels = Json::object();
   std::string tables;
   for (const Quantity& quantity : chosen) {
@@ -291,7 +281,7 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
       ask.state = sweep.states[i];
       assemble(ask.model, options.assembling, ask.state);
       if (!open && &quantity == chosen.data())
-        open = warning_of_loops(ask, options, fmt::format("state {}: ", i));
+        open = open_loop(ask.model, ask.state, options.mechanism.strict, fmt::format("state {}: ", i));
       const Answer answer = finite_answer(quantity, ask);
       results[name].push_back(answer.value);
       labels[name] = label_of(quantity, answer);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "axode/constraints/check_loops.hpp"
 #include "axode/contact/contact_finder.hpp"
 #include "axode/contact/law/contact_system.hpp"
 #include "axode/contact/law/velocity_solver.hpp"
@@ -39,6 +40,13 @@ std::vector<double> joint_forces(const Model& model, Numbers<double> q, Numbers<
   return forces;
 }
 
+/// Throws std::invalid_argument, with the name of the loop, if a loop is open at q.
+void check_loops_at_rest(const Model& model, Numbers<double> q) {
+  if (model.loops().empty()) return;
+  LoopWorkspace<double> workspace(model);
+  check_closed(workspace.system(model), q, std::vector<double>(index(model.nv())));
+}
+
 }  // namespace
 
 ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes, Numbers<double> q,
@@ -52,6 +60,7 @@ ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes,
   check_distance("margin", margin);
   check_distance("touching", options.touching);
   const std::vector<double> forces = joint_forces(model, q, tau);
+  check_loops_at_rest(model, q);
 
   // In a step of 1 s from rest, impulses are equal to forces and velocities to accelerations, because all
   // laws are homogeneous if no gap is left to close.

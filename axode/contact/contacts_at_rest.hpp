@@ -34,9 +34,10 @@ struct AtRestOptions {
 ///
 /// If several points carry one load, its distribution over the points is not unique, but the sum of their
 /// forces and the sum of their moments are. Throws std::invalid_argument for arguments of a wrong size or
-/// with numbers that are not finite, a load on a frame that does not exist, prescribed motions, drives with
-/// states, couplings with play, gears with losses if joint_losses is set, a singular mass matrix, and more
-/// contact points than 64 times the number of shapes. Allocates.
+/// with numbers that are not finite, a loop that is open at q by more than 1e-6 rad or m, a load on a frame
+/// that does not exist, prescribed motions, drives with states, couplings with play, gears with losses if
+/// joint_losses is set, a singular mass matrix, and more contact points than 64 times the number of shapes.
+/// Allocates.
 ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes, Numbers<double> q,
                                 Numbers<double> tau = {}, const AtRestOptions& options = {},
                                 const Loads<>& loads = {});

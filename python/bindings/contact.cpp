@@ -382,8 +382,9 @@ Points of contact at q (nq,), and the forces there at the instant at which the m
 
 Points with a gap of at most `touching` (m) press; others with a gap below `margin` (m; None: that of the drawing) are open.
 tau (nv,) are the drive forces, and springs and `loads` act in addition; dry friction of joints holds if `joint_losses`. Where
-several points carry one load, the share of each is arbitrary, and their sum and moment are not. ValueError for a shape that
-cannot touch, prescribed motions, drives with states, couplings with play and a singular mass matrix.
+several points carry one load, the share of each is arbitrary, and their sum and moment are not. ValueError for a loop that
+is open at q, a shape that cannot touch, prescribed motions, drives with states, couplings with play and a singular mass
+matrix.
 
 >>> ball = axode.Model.from_dict({"format": "axode drawing 1", "body": [{
 ...     "name": "ball", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1],

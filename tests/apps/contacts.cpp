@@ -117,6 +117,16 @@ TEST(ContactsCommand, RefusesAStateThatIsNotAtRest) {
   EXPECT_THAT(moving.err, HasSubstr("STATE has velocities, v; contacts finds forces at rest"));
 }
 
+TEST(ContactsCommand, FindsForcesOfClosedLoopsOnly) {
+  const std::string four_bar = robot("four_bar.toml"), open = R"({"q": {"crank_joint": 0.5}})";
+  EXPECT_EQ(axode({"contacts", four_bar}).code, 0);
+  EXPECT_EQ(axode({"contacts", four_bar, "--state", "-", "--assemble"}, open).code, 0);
+  const Outcome refused = axode({"contacts", four_bar, "--state", "-"}, open);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_EQ(refused.out, "");
+  EXPECT_THAT(refused.err, testing::StartsWith("axode contacts: q leaves loop \"pin\" open by "));
+}
+
 TEST(ContactsCommand, SaysThatWhatIsFixedStaysAtRest) {
   const TemporaryFolder folder;
   const std::string head = "format = \"axode drawing 1\"\n", post = R"([[body]]

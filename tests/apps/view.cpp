@@ -73,6 +73,18 @@ TEST_F(View, ShowsTheStateThatIsGiven) {
   EXPECT_EQ(scene_in(page_)["q"], nlohmann::json({0.0, 0.5}));
 }
 
+TEST_F(View, WarnsThatALoopIsOpen) {
+  const std::string file = robot("four_bar.toml"), open = R"({"q": {"crank_joint": 0.5}})";
+  const Outcome outcome = view({file, "--state", "-", "--output", page_}, open);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, StartsWith("warning: q leaves loop \"pin\" open by "));
+  EXPECT_EQ(scene_in(page_)["q"], nlohmann::json({0.5, 0.0, 0.0}));
+  const Outcome strict = view({file, "--state", "-", "--strict", "--output", page_}, open);
+  EXPECT_EQ(strict.code, 1);
+  EXPECT_THAT(strict.err, StartsWith("axode view: q leaves loop \"pin\" open by "));
+  EXPECT_EQ(view({file, "--output", page_}).err, "");
+}
+
 TEST_F(View, ShowsTheMotionOfEveryKindOfFile) {
   for (const char* ending : {"csv", "json", "npz"}) {
     const std::string run = simulated(ending);
