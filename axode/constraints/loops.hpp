@@ -19,7 +19,9 @@ namespace axode {
 template <class T> class LoopSystem;
 
 /// Scratch memory of one thread for a mechanism with loops. Functions that take a LoopWorkspace take loops
-/// into account. Functions that take a Workspace compute with the spanning tree.
+/// into account. Unless they say so, they do not check that q and v keep the loops closed: then
+/// loop_residual() and A v are 0, and assemble() computes such q and v. Functions that take a Workspace
+/// compute with the spanning tree.
 template <class T = double> class AXODE_ENTRY LoopWorkspace {
  public:
   explicit LoopWorkspace(const Model& model);
