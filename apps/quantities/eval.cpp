@@ -329,6 +329,13 @@ void run(const Options& options) {
     throw UsageError("--plot draws a sweep; give its states by --state FILE.csv");
   if (!options.output.empty() && !sweeps)
     throw UsageError("--output writes a sweep; give its states by --state FILE.csv");
+  static constexpr std::string_view elastic = "elastic_feed_forward";
+  if (std::ranges::none_of(chosen, [](const Quantity& quantity) { return quantity.name == elastic; }))
+    for (const auto& [option, words] :
+         {std::pair("--stiffness", &options.stiffness), std::pair("--inertia", &options.inertia)})
+      if (!words->empty())
+        throw UsageError(fmt::format("{} {} is used by {} alone; add {} to --want", option, words->front(),
+                                     elastic, elastic));
   const std::optional<ChartFile> plot = chart_file(options.plot);
   Question ask{load(options.mechanism), {}, representation, options.joint_losses};
   if (gravity) ask.model = ModelBuilder(ask.model).gravity(*gravity).build();

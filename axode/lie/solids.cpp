@@ -1,5 +1,7 @@
 #include "axode/lie/solids.hpp"
 
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -9,9 +11,15 @@
 namespace axode {
 namespace {
 
+/// A number in its shortest decimal form that reads back to the same double.
+std::string shortest(double x) {
+  std::array<char, 32> digits;
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
+}
+
 void check_positive(const char* what, double x) {
   if (!(x > 0) || !std::isfinite(x))
-    throw std::invalid_argument(std::string(what) + " is " + std::to_string(x) +
+    throw std::invalid_argument(std::string(what) + " is " + shortest(x) +
                                 "; it must be positive and finite");
 }
 
@@ -74,7 +82,7 @@ Moments checked_moments(std::span<const Vec3<>> vertices, std::span<const std::a
   check_closed(vertices, faces);
   const Moments sum = moments(vertices, faces, vertices.empty() ? Vec3<>{} : vertices[0]);
   if (!(sum.volume > 0))
-    throw std::invalid_argument("faces: the mesh encloses " + std::to_string(sum.volume) +
+    throw std::invalid_argument("faces: the mesh encloses " + shortest(sum.volume) +
                                 " m³; its faces must run counterclockwise as seen from outside");
   return sum;
 }

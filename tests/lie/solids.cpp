@@ -106,8 +106,9 @@ TEST(Solids, RefuseWhatEnclosesNothing) {
   Mesh lost = box({1, 1, 1});
   lost.vertices[3].y = NAN;
   EXPECT_THAT([&] { mesh_volume(lost.vertices, lost.faces); }, refuses("vertices: number 3 is not finite"));
-  EXPECT_THAT([&] { mesh_volume({}, {}); }, refuses("encloses 0"));
-  EXPECT_THAT([&] { box_inertia(1, {1, 0, 1}); }, refuses("size is 0"));
+  EXPECT_THAT([&] { mesh_volume({}, {}); }, refuses("encloses 0 m³"));
+  EXPECT_THAT([&] { box_inertia(1, {1, 0, 1}); }, refuses("size is 0;"));
+  EXPECT_THAT([&] { box_inertia(1, {1, -1e-7, 1}); }, refuses("size is -1e-07;"));
   EXPECT_THAT([&] { sphere_inertia(-1, 1); }, refuses("mass is -1"));
   EXPECT_THAT([&] { capsule_inertia(1, 1, INFINITY); }, refuses("length is inf"));
 }

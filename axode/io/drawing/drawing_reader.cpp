@@ -187,6 +187,9 @@ void read_joint(Table& body_table, GeometryForm form, BodyDescription& body) {
     return;
   }
   body.joint.kind = joint_kinds[*kind].kind;
+  table->refuse("motion", "a table [[motion]] with of = " +
+                              in_quotes(body.joint.name.empty() ? body.name + "_joint" : body.joint.name) +
+                              " prescribes how the joint moves");
   read_screw(*table, form, body.joint);
   read_dofs(*table, body.joint);
   if (body.joint.kind == JointKind::fixed) {
