@@ -263,6 +263,17 @@ std::string csv_of(const Sweep& sweep, const std::vector<Quantity>& chosen,
   return as_csv(all, names);
 }
 
+/// Adds the numbers of an answer as points at t to the curves of its quantity, one curve for each number.
+void add_points(const Answer& answer, double t, std::vector<Curve>& curves) {
+  const auto numbers = answer.table.numbers();
+  curves.resize(numbers.size());
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    curves[k].name = numbers[k].first;
+    curves[k].x.push_back(t);
+    curves[k].y.push_back(numbers[k].second);
+  }
+}
+
 /// Prints the chosen quantities at each state of a sequence of states, and draws their chart.
 void run_sweep(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask,
                const std::optional<ChartFile>& plot) {
@@ -270,34 +281,28 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
     throw UsageError("--output: " + options.output + ": the numbers of a sweep are written as .csv");
   const Sweep sweep = read_sweep(ask.model, options.state);
   Json results = Json::object(), labels = Json::object();
-  Chart chart{.title = ask.model.name()};
-  std::vector<std::vector<Curve>> curves_of_all;
+  std::vector<std::vector<Curve>> curves_of_all(chosen.size());
+  std::vector<std::string> units(chosen.size());
   std::optional<std::string> open;  // at the first state with an open loop
-  for (const Quantity& quantity : chosen) {
-    const std::string name(quantity.name);
-    std::vector<Curve> curves;
-    std::string units;
-    for (std::size_t i = 0; i < sweep.states.size(); ++i) {
-      ask.state = sweep.states[i];
-      assemble(ask.model, options.assembling, ask.state);
-      if (!open && &quantity == chosen.data())
-        open = open_loop(ask.model, ask.state, options.mechanism.strict, fmt::format("state {}: ", i));
-      const Answer answer = finite_answer(quantity, ask);
+  for (std::size_t i = 0; i < sweep.states.size(); ++i) {
+    ask.state = sweep.states[i];
+    assemble(ask.model, options.assembling, ask.state);
+    if (!open) open = open_loop(ask.model, ask.state, options.mechanism.strict, fmt::format("state {}: ", i));
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      const Answer answer = finite_answer(chosen[k], ask);
+      const std::string name(chosen[k].name);
       results[name].push_back(answer.value);
-      labels[name] = label_of(quantity, answer);
-      units = answer.units;
-      const auto numbers = answer.table.numbers();
-      curves.resize(numbers.size());
-      for (std::size_t k = 0; k < numbers.size(); ++k) {
-        curves[k].name = numbers[k].first;
-        curves[k].x.push_back(sweep.t[i]);
-        curves[k].y.push_back(numbers[k].second);
-      }
+      labels[name] = label_of(chosen[k], answer);
+      units[k] = answer.units;
+      add_points(answer, sweep.t[i], curves_of_all[k]);
     }
-    const std::size_t semicolon = units.rfind("; ");
-    if (semicolon != std::string::npos) units.erase(0, semicolon + 2);
-    std::ranges::move(panels_by_unit(ask.model, name, units, curves), std::back_inserter(chart.panels));
-    curves_of_all.push_back(std::move(curves));
+  }
+  Chart chart{.title = ask.model.name()};
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    const std::size_t semicolon = units[k].rfind("; ");
+    if (semicolon != std::string::npos) units[k].erase(0, semicolon + 2);
+    std::ranges::move(panels_by_unit(ask.model, std::string(chosen[k].name), units[k], curves_of_all[k]),
+                      std::back_inserter(chart.panels));
   }
   if (plot) {
     keep_columns(chart, options.columns);

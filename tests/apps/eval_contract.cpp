@@ -293,6 +293,28 @@ TEST(Eval, SaysThatALoopIsOpenAtTheState) {
               testing::HasSubstr("warning: state 1: q leaves loop \"pin\" open by "));
 }
 
+/// The loops of the second state cannot be closed, and the second quantity has no value at the first state.
+TEST(Eval, ASweepClosesTheLoopsOfAStateOnceForAllQuantities) {
+  const TemporaryFolder folder;
+  const std::string sweep = folder.write("sweep.csv",
+                                         "t,q crank_joint,q coupler_joint,q rocker_joint,a crank_joint\n"
+                                         "0,0,0,0,1\n0.1,0.5,0,0,0\n");
+  std::vector<std::string> words{"eval", robot("four_bar.toml"), "--state", sweep, "--assemble"};
+  for (const char* joint : {"crank_joint", "coupler_joint", "rocker_joint"})
+    words.insert(words.end(), {"--hold", joint});
+  words.emplace_back("--want");
+  const auto error = [&](const char* quantities) {
+    words.emplace_back(quantities);
+    const Outcome outcome = axode(words);
+    words.pop_back();
+    EXPECT_EQ(outcome.code, 1) << outcome.out;
+    return outcome.err;
+  };
+  EXPECT_THAT(error("mass_matrix"), testing::HasSubstr("stays open by "));
+  EXPECT_THAT(error("mass_matrix,inverse_dynamics"),
+              testing::HasSubstr("a does not keep loop \"pin\" closed"));
+}
+
 TEST(Eval, DistancesHaveNearestPointsCertificatesAndJacobians) {
   const std::string file = AXODE_SOURCE_DIR "/tests/data/good/contact.toml";
   const Json out = eval(file, {{"q", {{"finger_joint", 0.1}}}}, {"--want", "distances"});
