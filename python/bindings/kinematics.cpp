@@ -95,8 +95,22 @@ Array jacobian_derivative_along_of(const BoundModel& m, ArrayLike q, FrameName f
   const Place<> at = place(m, frame, offset);
   const States states(m, q, threads);
   const Rows rows(states, "directions", directions, "a row of nv numbers for each derivative");
+  const Shape shape{m->nv(), 6};
+  constexpr int short_order = 6;  // one state takes less than the 20 ms between two looks for Ctrl-C
+  if (rows.count() > short_order) {
+    NewArray J = states.result(shape);
+    with_representation(representation, [&]<class Rep>(Rep) {
+      states.each_long(
+          linear_cost(m) * rows.count() * rows.count(), [&](std::size_t k, const auto& should_continue) {
+            Workspace<> workspace(*m);
+            jacobian_derivative_along<Rep>(m, workspace, states.q(k), at, rows.count(), rows[k],
+                                           screws<Twist<Rep>>(item(J, k, shape)), should_continue);
+          });
+    });
+    return J.transposed();
+  }
   return with_representation(representation, [&]<class Rep>(Rep) {
-    return each_item(states, linear_cost(m), {m->nv(), 6},
+    return each_item(states, linear_cost(m), shape,
                      [&](auto& workspace, std::size_t k, auto out) {
                        jacobian_derivative_along<Rep>(m, workspace, states.q(k), at, rows.count(), rows[k],
                                                       screws<Twist<Rep>>(out));
@@ -293,7 +307,8 @@ at most 32 axes.
 The partial derivatives contracted with one direction for each order, D_uk ... D_u1 J: shape (6, nv) or (N, 6, nv).
 
 `directions` has shape (k, nv), u1 (taken first) in row 0, or (N, k, nv), for any k. The tensor of `jacobian_partials` is
-never built; the cost grows with 3^k, or with the square of the length of each run of equal consecutive directions.
+never built; the cost grows with 3^k, or with the square of the length of each run of equal consecutive directions: two
+runs of 500 take minutes. Ctrl-C ends the call.
 
 >>> axode.jacobian_derivative_along(arm, arm.neutral(), "flange", [np.ones(7), np.ones(7)]).shape
 (6, 7)

@@ -432,6 +432,23 @@ TEST(JacobianPartials, AlongTwoRepeatedDirectionsAreThoseOfTheirSum) {
   });
 }
 
+TEST(JacobianPartials, AreNotComputedFurtherWhenTheCallerEndsThem) {
+  Sample sample(chain(JointKind::revolute, 4), 1, 4);
+  constexpr int run = 40;
+  std::vector<double> directions;
+  for (int k = 0; k < 2 * run; ++k) directions.insert(directions.end(), 4, k < run ? 1 : -1);
+  const auto calls = [&](int last) {
+    int n = 0;
+    std::vector<Twist<Mixed>> J(4);
+    jacobian_derivative_along<Mixed>(sample.model, sample.workspace, sample.q, 4, 2 * run, directions, J,
+                                     [&] { return ++n != last; });
+    return n;
+  };
+  const int all = calls(-1);
+  EXPECT_GT(all, 50);
+  for (int last = 1; last <= all; last += 19) EXPECT_EQ(calls(last), last);
+}
+
 TEST(JacobianPartialsErrors, NameTheValueAndTheRule) {
   Sample sample(chain(JointKind::revolute, 4), 1, 4);
   std::vector<Twist<BodyFixed>> J(16);

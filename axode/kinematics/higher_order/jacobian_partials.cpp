@@ -48,7 +48,8 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
 template <RecursionRepresentation Rep, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& given, int order, Numbers<T> directions,
-                               std::type_identity_t<std::span<Twist<Rep, T>>> J) {
+                               std::type_identity_t<std::span<Twist<Rep, T>>> J,
+                               const std::function<bool()>& should_continue) {
   check_state(model, workspace, q);
   const Place<T> place = found(model, given);
   if (order < 0) throw std::invalid_argument("order is " + std::to_string(order) + "; expected 0 or more");
@@ -59,8 +60,8 @@ void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numb
   check_separate("J", J, "directions", directions);
   for (Twist<Rep, T>& column : J) column = {};
   const ScrewPath<T> path(model.tree<T>(), q.data(), place);
-  const DirectionalDerivatives<T> derivatives(path, order, directions.data(), model.nv());
-  for (int a = 0; a < static_cast<int>(path.screws.size()); ++a) {
+  DirectionalDerivatives<T> derivatives(path, order, directions.data(), model.nv(), should_continue);
+  for (int a = 0; a < static_cast<int>(path.screws.size()) && !derivatives.stopped(); ++a) {
     const Screw<T> X = derivatives.template of<Rep>(a);
     J[path.screws[a].c] += Twist<Rep, T>{X.w, X.v};
   }

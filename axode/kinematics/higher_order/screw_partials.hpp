@@ -180,7 +180,11 @@ template <class T> class DirectionalDerivatives {
  public:
   /// Computes the derivatives of all screws. `directions` has `order` rows of nv joint velocities, of which
   /// the first acts first. Throws std::invalid_argument if no memory can hold the derivatives.
-  DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv) : path_(path) {
+  /// should_continue(), which may be empty, is called between sums, at the latest after 100,000 products of
+  /// screws or one longer sum. If it returns false, the computation ends and stopped() is true from then on.
+  DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv,
+                         const std::function<bool()>& should_continue)
+      : path_(path), should_continue_(should_continue) {
     for (int s = 0; s < order; ++s) {
       const T* const u = directions + static_cast<std::ptrdiff_t>(s) * nv;
       bool repeated = false;
@@ -211,16 +215,20 @@ template <class T> class DirectionalDerivatives {
     pose();
   }
 
+  /// Whether the caller's function has ended the computation; results are then meaningless.
+  bool stopped() const { return stopped_; }
+
   /// The derivative D_uν ... D_u1 of joint screw c of the path, once along each of the ν directions u (joint
   /// velocities) that the constructor received. The components of the screw are those in the representation
   /// Rep at the frame on a body to which the path leads.
-  template <class Rep> Screw<T> of(int c) const {
+  template <class Rep> Screw<T> of(int c) {
     const std::size_t S = parts_ - 1, a = static_cast<std::size_t>(c);
     if constexpr (std::same_as<Rep, Spatial>) return J(a, S);
     const Screw<T> X{J(a, S).w, linear(a, S)};
     if constexpr (std::same_as<Rep, Hybrid>) return X;
     Screw<T> Y;
     each_part(S, [&](std::size_t A, const T& weight) {
+      if (stops_at(S - A)) return;
       Y.w += weight * (Rt_[A] * J(a, S - A).w);
       Y.v += weight * (Rt_[A] * linear(a, S - A));
     });
@@ -236,6 +244,15 @@ template <class T> class DirectionalDerivatives {
     std::size_t length, stride;
   };
 
+  /// Whether the computation ends before the products for a part S, of which there are at most S + 1.
+  bool stops_at(std::size_t S) {
+    constexpr std::size_t often = 100'000;
+    products_ += S + 1;
+    if (stopped_ || products_ < often) return stopped_;
+    products_ = 0;
+    stopped_ = should_continue_ && !should_continue_();
+    return stopped_;
+  }
   const Screw<T>& J(std::size_t c, std::size_t S) const { return J_[c * parts_ + S]; }
   std::size_t count(std::size_t run, std::size_t S) const {
     return S / runs_[run].stride % (runs_[run].length + 1);
@@ -277,6 +294,7 @@ template <class T> class DirectionalDerivatives {
       if (S > 0) {
         const std::size_t s = lowest(S), rest = S - runs_[s].stride;
         for (std::size_t c = begin; c < end; ++c) {
+          if (stops_at(rest)) return;
           Screw<T> sum;
           each_part(rest, [&](std::size_t A, const T& weight) {
             sum = sum + weight * ad(W_[s * parts_ + A], J(c, rest - A));
@@ -297,6 +315,7 @@ template <class T> class DirectionalDerivatives {
     Rt_[0] = transpose(path_.C.R);
     for (std::size_t S = 1; S < parts_; ++S) {
       const std::size_t s = lowest(S), rest = S - runs_[s].stride;
+      if (stops_at(rest)) return;
       Vec3<T> r = W_[s * parts_ + rest].v;
       SO3<T> Rt{{}, {}, {}};
       each_part(rest, [&](std::size_t A, const T& weight) {
@@ -312,6 +331,9 @@ template <class T> class DirectionalDerivatives {
   }
 
   const ScrewPath<T>& path_;
+  const std::function<bool()>& should_continue_;
+  std::size_t products_ = 0;  ///< since should_continue_ was called, at least the number of products
+  bool stopped_ = false;
   std::vector<Run> runs_;
   std::size_t parts_ = 1;  ///< number of parts: the product of length + 1 of all runs
   std::vector<Screw<T>> J_, W_;
