@@ -188,8 +188,9 @@ class Script {
     text_ += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\n", literal(panel.title),
                          literal(panel.x_axis));
     // gnuplot's own label of the axis would be moved out of the picture by long numbers beside the axis.
+    const double label_x = x0 - left_ + 12, label_y = (y0 + y1) / 2;
     text_ += fmt::format("set label 2 {} at screen {},{} center rotate by 90\n", literal(panel.y_axis),
-                         (x0 - left_ + 12) / size_[0], (y0 + y1) / 2 / size_[1]);
+                         label_x / size_[0], label_y / size_[1]);
     text_ += panel.axes_through_zero
                  ? "set xzeroaxis lt 1 lc rgb \"#777777\"\nset yzeroaxis lt 1 lc rgb \"#777777\"\n"
                  : "unset xzeroaxis\nunset yzeroaxis\n";
@@ -238,7 +239,10 @@ class Script {
                                           std::vector<double> Curve::*numbers) {
     double low = (curves.front()->*numbers).front(), high = low;
     for (const Curve* curve : curves)
-      for (const double x : curve->*numbers) low = std::min(low, x), high = std::max(high, x);
+      for (const double x : curve->*numbers) {
+        low = std::min(low, x);
+        high = std::max(high, x);
+      }
     return {low, high};
   }
 

@@ -8,6 +8,7 @@
 #include "apps/files/model_options.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
+#include "apps/shell/table.hpp"
 #include "apps/shell/terminal.hpp"
 
 namespace axode::command {
@@ -26,8 +27,8 @@ not prevent computations is a warning, for example a mass of 0, an inertia that 
 interchanged limits, or a joint that follows a joint which does not exist. With --strict it is an error,
 as for every command. The exit code is 1 if any of the files has an error.)";
 
-std::string counted(std::size_t n, const char* what) {
-  return fmt::format("{} {}{}", n == 0 ? "no" : std::to_string(n), what, n == 1 ? "" : "s");
+std::string counted_or_no(std::size_t n, const std::string& what) {
+  return n == 0 ? "no " + what + "s" : counted(n, what);
 }
 
 int run(const CheckOptions& options) {
@@ -55,8 +56,8 @@ int run(const CheckOptions& options) {
     for (const Fault& fault : faults)
       fmt::print("{}\n", in(fault.severity == Severity::error ? Ink::bad : Ink::warning, to_string(fault)));
     fmt::print("{}\n", in(errors > 0 ? Ink::bad : Ink::good,
-                          fmt::format("{}: {}, {}", file, counted(errors, "error"),
-                                      counted(faults.size() - errors, "warning"))));
+                          fmt::format("{}: {}, {}", file, counted_or_no(errors, "error"),
+                                      counted_or_no(faults.size() - errors, "warning"))));
   }
   if (format == Format::json) fmt::print("{}", text({{"files", files}}));
   return all_errors > 0 ? bad_input : all_well;

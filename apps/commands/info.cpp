@@ -10,6 +10,7 @@
 #include "apps/demo/tree_drawing.hpp"
 #include "apps/files/json_text.hpp"
 #include "apps/files/model_options.hpp"
+#include "apps/files/state_table.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
 #include "apps/shell/table.hpp"
@@ -94,10 +95,10 @@ std::ptrdiff_t number_of_drives(const Model& model) { return std::ranges::count(
 
 /// A text about a mechanism with loops, such as `3 degrees of freedom, 9 drives`.
 std::string freedom_and_drives(const Model& model) {
-  const std::ptrdiff_t n = number_of_drives(model);
-  const std::string drives = fmt::format("{} drive{}", n, n == 1 ? "" : "s");
+  const std::string drives = counted(static_cast<std::size_t>(number_of_drives(model)), "drive");
   if (const std::optional<int> freedom = degrees_of_freedom(model))
-    return fmt::format("{} degree{} of freedom, {}", *freedom, *freedom == 1 ? "" : "s", drives);
+    return counted(static_cast<std::size_t>(*freedom), "degree of freedom", "degrees of freedom") + ", " +
+           drives;
   return drives + "; the loops do not close from the neutral configuration";
 }
 
@@ -359,10 +360,9 @@ void run(const InfoOptions& options) {
     fmt::print("{}", text(as_json(model)));
     return;
   }
-  const Vec3<>& g = model.gravity();
-  fmt::print("{}: {} moving bodies, {} frames, nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2\n\n",
+  fmt::print("{}: {} moving bodies, {} frames, nq = {}, nv = {}, gravity {}\n\n",
              in(Ink::heading, model.name()), model.n_bodies(), model.n_frames(), model.nq(), model.nv(),
-             significant(g.x), significant(g.y), significant(g.z));
+             gravity_text(model));
   if (!model.loops().empty()) fmt::print("{}\n\n", freedom_and_drives(model));
   fmt::print("{}", draw_tree(model));
   print_joints(model);

@@ -111,9 +111,9 @@ State found_state(const Model& model, const LinearizeOptions& options) {
     EquilibriumResult found = equilibrium(model, state.q, state.tau, {state.loads});
     if (found.status != EquilibriumStatus::solved)
       throw InputError(fmt::format(
-          "no equilibrium was found from q: {} after {} step{}, with unbalanced forces of {} N m and N "
-          "(norm); start from another q",
-          to_string(found.status), found.iterations, found.iterations == 1 ? "" : "s",
+          "no equilibrium was found from q: {} after {}, with unbalanced forces of {} N m and N (norm); "
+          "start from another q",
+          to_string(found.status), counted(static_cast<std::size_t>(found.iterations), "step"),
           significant(found.residual, 3)));
     state.q = std::move(found.q);
   }
@@ -302,12 +302,11 @@ std::string mode_table(const Linearized& at) {
 
 std::string verdict(const Linearized& at) {
   const std::string_view found = stability(at.modes);
-  const auto grow =
-      std::ranges::count_if(at.modes.all, [](const Mode& mode) { return mode.eigenvalue.real() > 0; });
+  const auto grow = static_cast<std::size_t>(
+      std::ranges::count_if(at.modes.all, [](const Mode& mode) { return mode.eigenvalue.real() > 0; }));
   std::string text = found == "stable"     ? "stable: every deviation dies out"
                      : found == "marginal" ? "marginal: no mode grows, and not every one dies out"
-                                           : fmt::format("unstable: {} mode{} grow{}", grow,
-                                                         grow == 1 ? "" : "s", grow == 1 ? "s" : "");
+                                           : "unstable: " + counted(grow, "mode grows", "modes grow");
   if (at.modes.zeros > 0)
     text += fmt::format("; 0 is an eigenvalue {} times, of rigid modes", at.modes.zeros);
   return text;

@@ -125,10 +125,6 @@ Json as_json(const Model& model, const LocalMobility& found) {
            {{"starts", found.probe.starts}, {"closed", found.probe.closed}, {"missed", found.probe.missed}}}};
 }
 
-std::string counted(std::size_t n, const char* singular, const char* plural) {
-  return fmt::format("{} {}", n, n == 1 ? singular : plural);
-}
-
 std::string ranks(const LocalMobility& found) {
   std::string text = fmt::format(
       "mobility by order: {}; {}\nlocal mobility {}, differential mobility {}\n{} equations of {} have rank "
@@ -210,14 +206,14 @@ std::string evidence(const LocalMobility& found) {
     double worst = 0;
     for (const BranchPoint& point : branch.points) worst = std::max(worst, point.residual);
     text += fmt::format("branch {}: {} close the loops to {}{}{}\n", k + 1,
-                        counted(branch.points.size(), "point", "points"),
+                        counted(branch.points.size(), "point"),
                         worst < rounding ? "rounding" : significant(worst, 2),
                         branch.closes ? "" : "; some near q do not close",
                         branch.settled ? "" : "; too few orders are left to settle it");
   }
-  text += fmt::format("{} random starts near q led to {}; {} on no branch\n", found.probe.starts,
-                      counted(static_cast<std::size_t>(found.probe.closed), "closed point", "closed points"),
-                      found.probe.missed);
+  text +=
+      fmt::format("{} random starts near q led to {}; {} on no branch\n", found.probe.starts,
+                  counted(static_cast<std::size_t>(found.probe.closed), "closed point"), found.probe.missed);
   return text + (found.decided_by_rank
                      ? "Ranks and roots alone decide this, up to rounding.\n"
                      : "The equations are dependent or several velocities are free: the points are evidence "

@@ -218,12 +218,11 @@ void print(const Trajectory& motion, const WrittenMotion& rows) {
   fmt::print(
       "{}", state_tables(motion.model(), numbers(motion.q(last)), {{"v", numbers(motion.v(last))}}, "per s"));
   const Eigen::Index end = rows.energy.size() - 1;
-  fmt::print(
-      "\nat t = {} s after {} steps and {} evaluations; energy {} J at the start, {} J at the end, at most "
-      "{} J "
-      "off the start\n",
-      significant(motion.t().back()), motion.steps, motion.evaluations, significant(rows.energy[0]),
-      significant(rows.energy[end]), significant((rows.energy.array() - rows.energy[0]).abs().maxCoeff(), 2));
+  const double first = rows.energy[0];
+  fmt::print("\nat t = {} s after {} steps and {} evaluations; ", significant(motion.t().back()),
+             motion.steps, motion.evaluations);
+  fmt::print("energy {} J at the start, {} J at the end, at most {} J off the start\n", significant(first),
+             significant(rows.energy[end]), significant((rows.energy.array() - first).abs().maxCoeff(), 2));
   if (motion.uncontrolled > 0)
     fmt::print("{}\n",
                in(Ink::warning, fmt::format("branches of the motion meet on its way: the errors of {} steps "

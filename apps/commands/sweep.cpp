@@ -7,6 +7,7 @@
 #include "apps/files/text_file.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
+#include "apps/shell/table.hpp"
 #include "axode/model/configuration.hpp"
 
 namespace axode::command {
@@ -94,8 +95,8 @@ class SweepReader {
   std::vector<double> numbers_of(const std::vector<Cells>& rows, std::size_t i) {
     std::vector<double> numbers(rows[0].size());
     if (rows[i].size() != numbers.size()) {
-      fault(i, fmt::format("has {} number{}, and there are {} columns", rows[i].size(),
-                           rows[i].size() == 1 ? "" : "s", numbers.size()));
+      fault(i, fmt::format("has {}, and there are {} columns", counted(rows[i].size(), "number"),
+                           numbers.size()));
       throw InputError(std::move(faults_));
     }
     for (std::size_t k = 0; k < numbers.size(); ++k) {

@@ -98,7 +98,10 @@ std::string draw_limbs(const Model& model) {
   std::vector<std::size_t> depth(model.n_bodies() + 1);
   Branches branches;
   std::string out, line = model.body(0).name;
-  const auto begin_line = [&](const std::string& start) { out += line + "\n", line = start; };
+  const auto begin_line = [&](const std::string& start) {
+    out += line + "\n";
+    line = start;
+  };
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const int p = model.body(i).predecessor;
     const std::string& name = model.body(i).name;

@@ -74,8 +74,9 @@ std::vector<Panel> contact_panels(const Trajectory& motion, const std::vector<do
   Panel normal{.y_axis = "normal force, N", .name = "normal force"},
       friction{.y_axis = "friction force, N", .name = "friction force"};
   for (const auto& [pair, curves] : pairs) {
-    const std::string a = name(motion.contact_shapes, pair.first),
-                      b = name(motion.contact_shapes, pair.second), both = a + " and " + b;
+    const std::string a = name(motion.contact_shapes, pair.first);
+    const std::string b = name(motion.contact_shapes, pair.second);
+    const std::string both = a + " and " + b;
     normal.curves.push_back({.name = both, .x = times, .y = curves.normal, .of = {a, b}});
     friction.curves.push_back({.name = both, .x = times, .y = curves.friction, .of = {a, b}});
   }

@@ -298,8 +298,9 @@ Tables read_npz(const std::string& file) {
 /// Sets the loads of a motion: the moment and the force on each of the frames, in inertial axes about the
 /// origin of the frame.
 void set_loads(const std::vector<double>& frames, const std::vector<double>& numbers, ShownMotion& motion) {
+  if (numbers.empty()) return;
   const double* W = numbers.data();
-  for (std::size_t k = 0; k < motion.t.size() && !numbers.empty(); ++k) {
+  for (std::size_t k = 0; k < motion.t.size(); ++k) {
     std::vector<AppliedWrench<>>& loads = motion.loads.emplace_back();
     for (const double frame : frames) {
       loads.emplace_back(static_cast<int>(frame), Representation::hybrid, Vec3<>{W[0], W[1], W[2]},

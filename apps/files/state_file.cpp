@@ -10,6 +10,7 @@
 #include "apps/files/text_file.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
+#include "apps/shell/table.hpp"
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/configuration.hpp"
 
@@ -129,8 +130,8 @@ class StateReader {
       if (value.size() == out.size()) {
         fill(key, value, out);
       } else {
-        fault(fmt::format("{} has {} number{}; model \"{}\" takes {} = {}", key, value.size(),
-                          value.size() == 1 ? "" : "s", model_.name(), size, out.size()));
+        fault(fmt::format("{} has {}; model \"{}\" takes {} = {}", key, counted(value.size(), "number"),
+                          model_.name(), size, out.size()));
       }
     } else if (value.is_object()) {
       for (const auto& [name, x] : value.items()) {
@@ -167,8 +168,7 @@ class StateReader {
     } else if (value.is_number() && out.size() == 1) {
       out[0] = value.get<double>();
     } else {
-      fault(fmt::format("{} takes {} number{}, got {}", where, out.size(), out.size() == 1 ? "" : "s",
-                        shown(value)));
+      fault(fmt::format("{} takes {}, got {}", where, counted(out.size(), "number"), shown(value)));
     }
   }
 

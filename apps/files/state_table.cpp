@@ -8,12 +8,15 @@
 
 namespace axode::command {
 
+std::string gravity_text(const Model& model) {
+  const Vec3<>& g = model.gravity();
+  return fmt::format("({}, {}, {}) m/s^2", significant(g.x), significant(g.y), significant(g.z));
+}
+
 std::string state_tables(const Model& model, const std::vector<double>& q,
                          const std::vector<OfVelocities>& of_velocities, const std::string& units) {
-  const Vec3<>& g = model.gravity();
-  const std::string head = in(
-      Ink::heading, fmt::format("{}: nq = {}, nv = {}, gravity ({}, {}, {}) m/s^2", model.name(), model.nq(),
-                                model.nv(), significant(g.x), significant(g.y), significant(g.z)));
+  const std::string head = in(Ink::heading, fmt::format("{}: nq = {}, nv = {}, gravity {}", model.name(),
+                                                        model.nq(), model.nv(), gravity_text(model)));
   const std::vector<std::string> coordinates = coordinate_names(model), velocities = velocity_names(model);
   const bool one_table = coordinates == velocities;
   std::vector<std::string> headings{one_table ? "joint" : "velocity"};

@@ -17,6 +17,7 @@
 #include "apps/quantities/quantities.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
+#include "apps/shell/table.hpp"
 #include "apps/shell/terminal.hpp"
 #include "axode/eigen.hpp"
 #include "axode/model/building/builder.hpp"
@@ -188,9 +189,9 @@ void print_warnings(const Question& ask, const Options& options, const std::opti
   if (open) fmt::print("\n{}\n", in(Ink::warning, "warning: " + *open));
   const auto warnings = ask.model.warnings();
   if (warnings.empty()) return;
-  fmt::print("\n{}\n",
-             in(Ink::warning, fmt::format("{} warning{} about the model: axode check {}", warnings.size(),
-                                          warnings.size() == 1 ? "" : "s", options.mechanism.files.front())));
+  const std::string text = counted(warnings.size(), "warning") + " about the model: axode check " +
+                           options.mechanism.files.front();
+  fmt::print("\n{}\n", in(Ink::warning, text));
 }
 
 Answer finite_answer(const Quantity& quantity, const Question& ask) {

@@ -147,13 +147,14 @@ Answer inverse_kinematics_answer(const Question& ask) {
     throw InputError(
         "inverse_kinematics: the state has no \"targets\"; give a list of {\"frame\", \"pose\"}");
   const InverseKinematicsResult result = inverse_kinematics(ask.model, ask.state.targets, ask.state.q);
+  const std::string summary =
+      std::string(to_string(result.status)) + ", error " + significant(result.residual);
   Answer answer{Json{{"status", to_string(result.status)},
                      {"q", result.q},
                      {"residual", result.residual},
                      {"iterations", result.iterations},
                      {"restarts", result.restarts}},
-                Table({"coordinate", "q"}), "",
-                std::string(to_string(result.status)) + ", error " + significant(result.residual)};
+                Table({"coordinate", "q"}), "", summary};
   const std::vector<std::string> names = coordinate_names(ask.model);
   for (std::size_t k = 0; k < names.size(); ++k) answer.table.row({names[k], result.q[k]});
   return answer;

@@ -71,8 +71,8 @@ WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const
   rows.loads = Eigen::MatrixXd::Zero(N, 6 * std::ssize(rows.load_frames));
   std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
   DriveSystem drives(model);
-  std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv())), a(v),
-      tau(v), x(motion.nx()), dx(x);
+  std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
+  std::vector<double> a(v), tau(v), x(motion.nx()), dx(x);
   Workspace<> workspace(model);
   for (Eigen::Index k = 0; k < N; ++k) {
     const double t = times[static_cast<std::size_t>(k)];

@@ -32,8 +32,9 @@ void Progress::show(double t) {
   if (gone < 1 || t <= 0) return;
   shown_ = true;
   const int done = static_cast<int>(30 * t / until_);
+  const double left = gone * (until_ - t) / t;
   fmt::print(stderr, "\r[{:#<{}}{:{}}] {} of {} s, {:.0f} s left ", "", done, "", 30 - done,
-             significant(t, 4), significant(until_, 4), gone * (until_ - t) / t);
+             significant(t, 4), significant(until_, 4), left);
   std::fflush(stderr);
 }
 

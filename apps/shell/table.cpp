@@ -85,6 +85,10 @@ std::string padded(const std::string& text, std::size_t to, bool right) {
 
 std::string significant(double x, int digits) { return fmt::format("{:.{}g}", x == 0 ? 0.0 : x, digits); }
 
+std::string counted(std::size_t n, const std::string& singular, const std::string& plural) {
+  return std::to_string(n) + ' ' + (n == 1 ? singular : plural.empty() ? singular + 's' : plural);
+}
+
 Table& Table::row(std::vector<Cell> cells) {
   cells.resize(headings_.size());
   rows_.push_back(std::move(cells));

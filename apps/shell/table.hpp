@@ -42,4 +42,8 @@ std::string padded(const std::string& text, std::size_t to, bool right = false);
 /// The number as text with `digits` significant digits; zero has no sign.
 std::string significant(double x, int digits = 6);
 
+/// The number and what is counted, such as `1 step` and `2 steps`. The plural is given if it is not the
+/// singular with an s.
+std::string counted(std::size_t n, const std::string& singular, const std::string& plural = "");
+
 }  // namespace axode::command

@@ -152,10 +152,11 @@ Study studied(const Model& model, bool with_times) {
     subjects.push_back(make_subject(way, model, state));
     timers.emplace_back([&subject = *subjects.back()](int calls) { subject.run(calls); });
   }
-  for (int round = 0; round < rounds && with_times; ++round) {
-    show_progress(fmt::format("{}: round {} of {}", model.name(), round + 1, rounds));
-    for (CallTimer& timer : timers) timer.sample(batches);
-  }
+  if (with_times)
+    for (int round = 0; round < rounds; ++round) {
+      show_progress(fmt::format("{}: round {} of {}", model.name(), round + 1, rounds));
+      for (CallTimer& timer : timers) timer.sample(batches);
+    }
   show_progress("");
   for (std::size_t k = 0; k < timers.size(); ++k)
     (k < study.efforts.size() ? study.efforts[k].seconds : study.ways[k - study.efforts.size()].seconds) =

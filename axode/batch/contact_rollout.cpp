@@ -90,8 +90,8 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, const Motio
                     std::span<double> certificates, int threads, const Monitor& monitor, bool joint_losses,
                     const DriveMotions& drives) {
   if (joint_losses) refuse_gears(model);
-  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
-                    K = motions.K, N = nq == 0 ? 0 : motions.q.size() / nq;
+  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
+  const std::size_t K = motions.K, N = nq == 0 ? 0 : motions.q.size() / nq;
   check_size("v", motions.v.size(), N * nv, "nv N");
   check_size("q_out", motions.q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
   check_size("v_out", motions.v_out.size(), (K + 1) * nv * N, "(K + 1) nv N");

@@ -192,8 +192,8 @@ Outcome run_with_drives(const Model& model, const CompiledDynamics<double>& comp
                         const MotionsUnderForces& motions, const DriveMotions& drives, const Tableau& method,
                         const Losses& losses, int threads, const Monitor& monitor) {
   const DriveSystem system(model, drives.added);
-  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
-                    nx = system.nx(), K = motions.K, N = nq == 0 ? 0 : motions.q.size() / nq;
+  const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv());
+  const std::size_t nx = system.nx(), K = motions.K, N = nq == 0 ? 0 : motions.q.size() / nq;
   check_drives(motions, drives, system, N, losses);
   for (const std::span<double> out : {motions.q_out, motions.v_out, drives.x_out})
     std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());

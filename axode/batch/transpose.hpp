@@ -18,10 +18,11 @@ template <class S, std::size_t N> void gather(const S* in, std::ptrdiff_t n, Bat
   constexpr int lanes = static_cast<int>(N);
   for (std::ptrdiff_t k = lanes * n; k < 2 * lanes * n; k += cache_line<S>)
     __builtin_prefetch(in + k);  // the states of the next call
-  std::array<Batch<S, N>, N> rows;
+  using Row = Batch<S, N>;
+  std::array<Row, N> rows;
   if (n >= lanes) {
     each_block<lanes>(n, [&](std::ptrdiff_t k) {
-      for (int l = 0; l < lanes; ++l) rows[l] = Batch<S, N>::load(in + l * n + k);
+      for (int l = 0; l < lanes; ++l) rows[l] = Row::load(in + l * n + k);
       transpose(rows);
       for (int l = 0; l < lanes; ++l) out[k + l] = rows[l];
     });
@@ -29,9 +30,9 @@ template <class S, std::size_t N> void gather(const S* in, std::ptrdiff_t n, Bat
   }
   for (int l = 0; l < lanes; ++l) {  // a load may read beyond a short row, but not beyond the last state
     if (l * n + lanes <= lanes * n) {
-      rows[l] = Batch<S, N>::load(in + l * n);
+      rows[l] = Row::load(in + l * n);
     } else {
-      rows[l] = Batch<S, N>(S(0));
+      rows[l] = Row(S(0));
       for (int k = 0; k < n; ++k) rows[l].x[k] = in[l * n + k];
     }
   }

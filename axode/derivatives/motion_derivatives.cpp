@@ -111,7 +111,10 @@ void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> 
   const MotionTo<T> motion(model.tree<T>(), arena, q.data(), v.data(), a.data(), place);
   for (const auto& columns : {d.V_q, d.V_v, d.dV_q, d.dV_v})
     std::fill(columns.begin(), columns.end(), Twist<Rep, T>{});
-  const auto add = [](Twist<Rep, T>& to, const V6<T>& X) { to.w += X.w, to.v += X.v; };
+  const auto add = [](Twist<Rep, T>& to, const V6<T>& X) {
+    to.w += X.w;
+    to.v += X.v;
+  };
   motion.each_column([&](int c, const V6<T>& J, const V6<T>& V_q, const V6<T>& dV_q, const V6<T>& dV_v) {
     add(d.V_q[c], V_q);
     add(d.V_v[c], J);

@@ -152,8 +152,10 @@ template <class T> struct FastCompositeBodies {
     for (int k = c; k < next; ++k) end = std::max(end, end_of(k));
     const Number zero(T(0));
     Number screws[6], impulses[6];
-    for (int k = 0; k < 6; ++k)
-      screws[k] = L::load(screw.array(k) + c), impulses[k] = L::load(impulse.array(k) + c);
+    for (int k = 0; k < 6; ++k) {
+      screws[k] = L::load(screw.array(k) + c);
+      impulses[k] = L::load(impulse.array(k) + c);
+    }
     const auto put = [&](int r, const Number& x) {
       store_row<T>(x, r, c, nv, out + r * static_cast<std::ptrdiff_t>(nv) + c);
     };
@@ -263,8 +265,9 @@ template <class T> struct FastCompositeBodies {
     });
     const auto all = [](const Vec3<T>& a) { return Vec3<Number>{Number(a.x), Number(a.y), Number(a.z)}; };
     const Inertia<T> M_i = get(i);
-    const Vec3<Number> d = all({M_i.Theta.xx, M_i.Theta.yy, M_i.Theta.zz}),
-                       o = all({M_i.Theta.xy, M_i.Theta.xz, M_i.Theta.yz}), r = all(C.get3(9, i));
+    const Vec3<Number> d = all({M_i.Theta.xx, M_i.Theta.yy, M_i.Theta.zz});
+    const Vec3<Number> o = all({M_i.Theta.xy, M_i.Theta.xz, M_i.Theta.yz});
+    const Vec3<Number> r = all(C.get3(9, i));
     const Inertia<Number> in_all_lanes{Number(M_i.m), all(M_i.h), {d.x, d.y, d.z, o.x, o.y, o.z}};
     for (int c = first; c < tree->first_screw[i + 1]; c += L::width) {  // later joints overwrite lanes beyond
       const Twist<Hybrid, Number> X{S.load3(0, c), S.load3(3, c)};

@@ -124,8 +124,8 @@ struct AllDirections {
   ContactDirections others;
 
   AllDirections(Eigen::Index nv, const Counts& counts) {
-    const Eigen::Index state = 3 * nv + counts.surfaces,
-                       p = counts.placement + counts.inertia + counts.geometry, shapes = counts.surfaces / 3;
+    const Eigen::Index state = 3 * nv + counts.surfaces, shapes = counts.surfaces / 3;
+    const Eigen::Index p = counts.placement + counts.inertia + counts.geometry;
     const auto unit = [](Eigen::Index rows, Eigen::Index first, Eigen::Index columns) {
       Matrix x = Matrix::Zero(rows, rows > 0 ? columns : 0);
       if (rows > 0) x.middleCols(first, rows).setIdentity();

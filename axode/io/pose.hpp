@@ -9,8 +9,9 @@ namespace axode::io {
 
 /// The rotation R_z(yaw) R_y(pitch) R_x(roll). `angles` has roll, pitch and yaw in rad.
 inline SO3<> from_roll_pitch_yaw(const Vec3<>& angles) {
-  const double sr = std::sin(angles.x), cr = std::cos(angles.x), sp = std::sin(angles.y),
-               cp = std::cos(angles.y), sy = std::sin(angles.z), cy = std::cos(angles.z);
+  const double sr = std::sin(angles.x), cr = std::cos(angles.x);
+  const double sp = std::sin(angles.y), cp = std::cos(angles.y);
+  const double sy = std::sin(angles.z), cy = std::cos(angles.z);
   return {{cy * cp, sy * cp, -sp},
           {cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr},
           {cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr}};

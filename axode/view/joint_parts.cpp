@@ -36,8 +36,9 @@ double eye(const DrawnJoint& joint) {
 /// Eyes of both bodies, one above the other, and a pin through both.
 std::vector<StandIn> stacked_hinge(const DrawnJoint& joint) {
   const auto& [a, b] = joint.sides;
-  const double R = eye(joint), low = std::min(a.height - a.radius, b.height - b.radius),
-               high = std::max(a.height + a.radius, b.height + b.radius), beyond = 0.5 * joint.radius;
+  const double R = eye(joint), beyond = 0.5 * joint.radius;
+  const double low = std::min(a.height - a.radius, b.height - b.radius);
+  const double high = std::max(a.height + a.radius, b.height + b.radius);
   std::vector<StandIn> parts;
   for (const JointSide& side : joint.sides)
     if (side.drawn) parts.push_back(disc(side, side.height, R, 2.04 * side.radius));

@@ -205,8 +205,10 @@ void ContactSystem::add_contact(const Contact& contact, int& compliance) {
     bool met = false;
     for (std::size_t k = 0; k < index(contact_rows_); ++k) on_b[k] = -1.0 * on_b[k];
     for (const auto& [i, side] : path_) {
-      for (std::size_t k = 0; side == 0 && !met && k < index(contact_rows_); ++k) on_b[k] += on_a[k];
-      met = met || side == 0;
+      if (side == 0 && !met) {
+        for (std::size_t k = 0; k < index(contact_rows_); ++k) on_b[k] += on_a[k];
+        met = true;
+      }
       auto& on_body = side < 0 ? on_a : on_b;
       for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
         const int c = topology.iv[i] + s - topology.first_screw[i];

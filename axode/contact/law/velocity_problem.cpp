@@ -123,9 +123,10 @@ void VelocityProblem::add_product(double factor, const double* lambda, double* x
     const int* const at = supports_.data() + first.support;
     const double* Y = Y_.data() + first.columns;
     if constexpr (size() > 0) {
-      Eigen::Matrix<double, size(), 1> sum = Eigen::Matrix<double, size(), 1>::Zero();
+      using Column = Eigen::Vector<double, size()>;
+      Column sum = Column::Zero();
       for (int k = 0; k < rows; ++k, Y += size())
-        sum += lambda[first.first + k] * Eigen::Map<const Eigen::Matrix<double, size(), 1>>(Y);
+        sum += lambda[first.first + k] * Eigen::Map<const Column>(Y);
       for (int i = 0; i < size(); ++i) x[at[i]] += factor * sum[i];
     } else {
       for (int k = 0; k < rows; ++k, Y += first.width) {
@@ -141,10 +142,10 @@ void VelocityProblem::add_transposed(const double* x, double* u) const noexcept 
     const int* const at = supports_.data() + first.support;
     const double* Y = Y_.data() + first.columns;
     if constexpr (size() > 0) {
-      Eigen::Matrix<double, size(), 1> part;
+      using Column = Eigen::Vector<double, size()>;
+      Column part;
       for (int i = 0; i < size(); ++i) part[i] = x[at[i]];
-      for (int k = 0; k < rows; ++k, Y += size())
-        u[first.first + k] += Eigen::Map<const Eigen::Matrix<double, size(), 1>>(Y).dot(part);
+      for (int k = 0; k < rows; ++k, Y += size()) u[first.first + k] += Eigen::Map<const Column>(Y).dot(part);
     } else {
       for (int k = 0; k < rows; ++k, Y += first.width) {
         double sum = 0;

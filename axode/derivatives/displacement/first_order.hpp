@@ -320,7 +320,9 @@ template <class T> struct FirstOrder {
                                       // of the columns that this joint moves
       for (int l = 0; l < L::width; ++l) {
         const int k = std::min(c + l, nv - 1);
-        column.x[l] = T(c + l), joint.x[l] = T(joint_of(k)), subtree.x[l] = T(end_of(k));
+        column.x[l] = T(c + l);
+        joint.x[l] = T(joint_of(k));
+        subtree.x[l] = T(end_of(k));
       }
       const auto clear = [&](const auto& where, const Entries& x) {
         return Entries{select(where, zero, x.q), select(where, zero, x.v), select(where, zero, x.a)};

@@ -76,7 +76,9 @@ template <class T, int n> struct NumberRows {
   Vec3<T> get3(int i, int k) const { return {row(i)[k], row(i)[k + 1], row(i)[k + 2]}; }
   void set3(const Vec3<T>& a, int i, int k) const {
     T* const to = row(i) + k;
-    to[0] = a.x, to[1] = a.y, to[2] = a.z;
+    to[0] = a.x;
+    to[1] = a.y;
+    to[2] = a.z;
   }
   void set3(const packed::Vector<T>& a, int i, int k) const requires std::floating_point<T> {
     __builtin_memcpy(row(i) + k, &a.x, sizeof a.x);

@@ -56,7 +56,10 @@ template <class T> struct ForwardVjp {
     std::copy_n(w, tree->nv, mu);
     forward.solve_one(tree, mu);
     vjp.run(tree, q, v, forward.a, mu, loads);
-    for (int c = 0; c < tree->nv; ++c) vjp.by_q[c] = -vjp.by_q[c], vjp.by_v[c] = -vjp.by_v[c];
+    for (int c = 0; c < tree->nv; ++c) {
+      vjp.by_q[c] = -vjp.by_q[c];
+      vjp.by_v[c] = -vjp.by_v[c];
+    }
   }
 };
 

@@ -140,7 +140,10 @@ template <class By> struct RowKernel<Id("forward_dynamics_vjp"), By> {
     std::copy_n(x[Input::weights], tree->nv, mu);
     by.solve_one(tree, mu);
     vjp.run(tree, x[Input::q], x[Input::v], a, mu, {});
-    for (int c = 0; c < tree->nv; ++c) gradient[c] = -vjp.by_q[c], gradient[tree->nv + c] = -vjp.by_v[c];
+    for (int c = 0; c < tree->nv; ++c) {
+      gradient[c] = -vjp.by_q[c];
+      gradient[tree->nv + c] = -vjp.by_v[c];
+    }
   }
 };
 template <class By> struct RowKernel<Id("forward_dynamics_hessian"), By> {

@@ -197,8 +197,9 @@ template <class T> struct SecondOrderRecursion<Mixed, T> {
   }
   static void put_angular(const SO3<T>& C, const std::array<Vector, 4>& s, const Body& p, Body& b) {
     const SO3<T> Ct = transpose(C);
-    const Vector U = Ct * p.V[0].w, A_1 = Ct * p.V[1].w, A_2 = Ct * p.V[2].w, U_1 = A_1 - cross(s[0], U),
-                 dA_1 = A_2 - cross(s[0], A_1), U_2 = dA_1 - cross(s[1], U) - cross(s[0], U_1);
+    const Vector U = Ct * p.V[0].w, A_1 = Ct * p.V[1].w, A_2 = Ct * p.V[2].w;
+    const Vector U_1 = A_1 - cross(s[0], U), dA_1 = A_2 - cross(s[0], A_1);
+    const Vector U_2 = dA_1 - cross(s[1], U) - cross(s[0], U_1);
     b.V[0].w = U + s[0];
     b.V[1].w = U_1 + s[1];
     b.V[2].w = U_2 + s[2];

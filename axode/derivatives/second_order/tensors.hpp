@@ -166,7 +166,10 @@ template <class T> struct SecondOrderTensors {
   /// only in derivatives of the force at the velocity of S_d, are computed only for c < end_j.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
-    for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
+    for (int k = 0; k < 6; ++k) {
+      S[k] = Number(path_S.array(k)[j]);
+      psi[k] = Number(path_psi.array(k)[j]);
+    }
     const Arrays<T> W = wrench, out = line;  // local copies, so that the compiler knows that no result
                                              // overwrites them
     const auto product = [W](const Number(&mine)[6], int with, int c) {

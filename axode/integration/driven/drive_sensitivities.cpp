@@ -298,8 +298,8 @@ Solvability rollout_vjp_with_drives(const Model& model, const DriveSystem& drive
                {"gradient.x", gradient.x, at.nx, "nx"},
                {"gradient.tau", gradient.tau, K * at.nv, "K nv"},
                {"gradient.u", gradient.u, K * at.nu, "K nu"}});
-  Vector q_out((K + 1) * at.nq), v_out((K + 1) * at.nv), x_out((K + 1) * at.nx), A(K * n * n),
-      B(K * n * at.nv), C(K * n * at.nu);
+  Vector q_out((K + 1) * at.nq), v_out((K + 1) * at.nv), x_out((K + 1) * at.nx);
+  Vector A(K * n * n), B(K * n * at.nv), C(K * n * at.nu);
   const Solvability verdict = rollout_derivatives_with_drives(
       model, drives, t, q, v, x, tau, step, {q_out, v_out, x_out, A, B, C}, loads, method, monitor);
   const auto of_state = [&](std::size_t k) {

@@ -126,7 +126,8 @@ double ContactPhase::direction(std::size_t k, double* s) const {
   }
   const double speed = std::sqrt(squares);
   if (length == 0) {
-    for (int i = 0; i < n && speed > 0; ++i) s[i] /= speed;
+    if (speed > 0)
+      for (int i = 0; i < n; ++i) s[i] /= speed;
     return speed;
   }
   for (int i = 0; i < n; ++i) across += std::pow(s[i] - forward * stored[index(i)], 2);

@@ -242,7 +242,8 @@ std::vector<char> ExactContactRun::stopping(double t, const std::vector<double>&
   const bool any =
       std::any_of(found.begin() + 1, found.begin() + 1 + static_cast<std::ptrdiff_t>(n), is_negative);
   std::vector<char> out(n);
-  for (std::size_t k = 0; any && k < n; ++k)
+  if (!any) return out;
+  for (std::size_t k = 0; k < n; ++k)
     out[k] = found[1 + k] < 0 || marks.speeds[k] * length < at_once * now_.speeds[k] ||
              marks.speeds[k] <= slow * phase_.resolution;
   return out;

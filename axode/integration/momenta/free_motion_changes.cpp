@@ -255,8 +255,8 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
     // The poses of motion_ are those at the end here. If forces on the base change, they move the centre of
     // mass.
     const Eigen::Matrix3d R_1 = to_eigen(motion_.poses()[index(base.body)].R);
-    const SE3<> C_0 = subgroup::Free<double>::pose(
-        tree_->B[index(base.body)], part.q_0.data() + tree_->operator->()->iq[index(base.body)]);
+    const double* const q_0 = part.q_0.data() + model_.topology().iq[index(base.body)];
+    const SE3<> C_0 = subgroup::Free<double>::pose(tree_->B[index(base.body)], q_0);
     Eigen::Matrix3Xd shift = (to_eigen(C_0.R) * start.momenta.M.middleRows<3>(linear) * start.dq -
                               R_1 * at_1.M.middleRows<3>(linear) * dq_1) /
                              base.mass;

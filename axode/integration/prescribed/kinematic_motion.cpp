@@ -168,8 +168,8 @@ KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, 
   Instant at{times.front(), as_eigen(q), {}, {}, {}};
   if (!solver.close(at.t, longest, at.q))
     throw std::invalid_argument(
-        "kinematic motion: q is not near a configuration that closes the loops and follows the motions at t "
-        "= " +
+        "kinematic motion: q is not near a configuration that closes the loops and follows the motions "
+        "at t = " +
         to_text(at.t) + " s; assemble() finds one, in a shell --assemble");
   solver.differentiate(at);
   if (solver.freedom() > 0)

@@ -27,8 +27,8 @@ enum class GeometryForm { construction, body, joint };
 /// its pose B in the frame of the predecessor, or by its joint frames S_prev on the predecessor and S_self on
 /// itself. Returns the way.
 GeometryForm read_geometry(Table& table, BodyDescription& body) {
-  const bool has_A = table.has("A"), has_B = table.has("B"),
-             has_S = table.has("S_prev") || table.has("S_self"), has_frame = table.has("frame");
+  const bool has_A = table.has("A"), has_B = table.has("B"), has_frame = table.has("frame");
+  const bool has_S = table.has("S_prev") || table.has("S_self");
   if (has_A + has_B + has_S + has_frame > 1)
     table.error(Rule::wrong_value,
                 "mixes frame, A, B and S_prev, S_self; a body is placed in one of these ways");

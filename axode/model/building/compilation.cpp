@@ -385,7 +385,10 @@ class Compiler {
       joint.iq = topology.iq[i];
       joint.iv = topology.iv[i];
       if (!joint.leader)
-        with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { joint.nq = s.nq, joint.nv = s.nv; });
+        with_subgroup(joint.kind, joint.pitch, [&](const auto& s) {
+          joint.nq = s.nq;
+          joint.nv = s.nv;
+        });
       const double k = numbers_.ratio[i];  // the coupled joint moves k times as fast as its leader; the sums
                                            // have equal energy and power
       for (std::size_t d = 0; d < joint.dof.size(); ++d) {

@@ -30,7 +30,10 @@ MassProperties mass_properties(const Inertia<>& M) {
 void check_names_differ(const Description& one, const Description& other, const std::string& prefix) {
   std::unordered_set<std::string> places,
       joints;  // a name must be unique among bodies and frames, and among joints and loops
-  for (const BodyDescription& body : one.bodies) places.insert(body.name), joints.insert(joint_name(body));
+  for (const BodyDescription& body : one.bodies) {
+    places.insert(body.name);
+    joints.insert(joint_name(body));
+  }
   for (const FrameDescription& frame : one.frames) places.insert(frame.name);
   for (std::size_t k = 0; k < one.loops.size(); ++k) joints.insert(loop_name(one.loops[k], k));
   for (std::size_t k = 0; k < one.couplings.size(); ++k) joints.insert(coupling_name(one.couplings[k], k));
@@ -38,7 +41,10 @@ void check_names_differ(const Description& one, const Description& other, const 
   const auto check = [&](const std::unordered_set<std::string>& taken, const std::string& name) {
     if (taken.contains(prefix + name)) both += (both.empty() ? "\"" : ", \"") + prefix + name + '"';
   };
-  for (const BodyDescription& body : other.bodies) check(places, body.name), check(joints, joint_name(body));
+  for (const BodyDescription& body : other.bodies) {
+    check(places, body.name);
+    check(joints, joint_name(body));
+  }
   for (const FrameDescription& frame : other.frames) check(places, frame.name);
   for (std::size_t k = 0; k < other.loops.size(); ++k) check(joints, loop_name(other.loops[k], k));
   for (std::size_t k = 0; k < other.couplings.size(); ++k)
