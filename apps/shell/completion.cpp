@@ -22,9 +22,8 @@ In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: sour
 For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs them.
 The scripts call axode with the WORDS of a command line, and axode prints the completions of the last word.)";
 
-/// Scripts that complete command lines of axode in shells. They call axode with all words of the command
-/// line, of which the last is to be completed. Each line that axode prints is a word, a tab and a
-/// description; the word `:files` stands for names of files.
+/// Scripts that complete command lines of axode in shells. Each line that axode prints for them is a word, a
+/// tab and a description; the word `:files` stands for names of files.
 constexpr const char* bash = R"sh(# Completion of axode for bash.
 _axode() {
   mapfile -t COMPREPLY < <(

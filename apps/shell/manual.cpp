@@ -10,9 +10,6 @@
 namespace axode::command {
 namespace {
 
-constexpr const char* footer =
-    "Example:\n  axode manual\n\nTo read it: axode manual | man -l -. After `cmake --install`: man axode.";
-
 /// The text as roff source that shows it with its line breaks and blanks.
 std::string as_it_stands(const std::string& text) {
   const std::pair<const char*, const char*> replacements[] = {
@@ -37,7 +34,8 @@ std::string page(const CLI::App& app) {
 
 void add_manual(CLI::App& app, int& exit_code) {
   CLI::App* manual = app.add_subcommand("manual", "Print the manual page");
-  manual->footer(footer);
+  manual->footer(
+      "Example:\n  axode manual\n\nTo read it: axode manual | man -l -. After `cmake --install`: man axode.");
   manual->callback([&app, &exit_code] {
     fmt::print("{}", page(app));
     exit_code = all_well;
