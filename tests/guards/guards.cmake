@@ -1,7 +1,7 @@
 # Laws about the source tree itself, and about the installed package.
 set(guards ${CMAKE_CURRENT_LIST_DIR})
 
-# Includes follow the floors; every kind is in its table; no
+# Includes follow the floors; every kind is in its table, and new things have their places; no
 # machine's paths, no catch-all names; one version; clear messages.
 add_test(NAME Guards.IncludeFloors COMMAND ${AXODE_PYTHON} ${guards}/include_floors.py ${PROJECT_SOURCE_DIR})
 add_test(NAME Guards.CleanTree COMMAND ${AXODE_PYTHON} ${guards}/clean_tree.py ${PROJECT_SOURCE_DIR})

@@ -1,4 +1,5 @@
-"""Every kind of joint, of spring and of loop joint is in its table and in the docs: kinds.py SOURCE_DIR."""
+"""Every kind of joint, of spring and of loop joint is in its table and in the docs, and the places where docs/architecture.md
+puts something new exist: kinds.py SOURCE_DIR."""
 
 import re
 import sys
@@ -37,6 +38,24 @@ def forgotten(read):
     ]
 
 
+def misplaced(page, source):
+    """What the table "Where does a new ... go?" of a page names and the tree does not have: files, folders, and words that
+    none of the files and folders of their row has."""
+    for row in re.findall(r"^\|.*\|$", page[page.index("## Where does a new ... go?") :], re.MULTILINE)[2:]:
+        words = re.findall(r"`([^`]+)`", row)
+        places = {word: [p for p in (source / word, source / "axode" / word) if p.exists()] for word in words if "/" in word}
+        files = [source / "docs" / page for page in re.findall(r"\(([\w-]+\.md)\)", row)]
+        for word, found in places.items():
+            if not found:
+                yield f"docs/architecture.md: no such place: {word}"
+            for place in found:
+                files += [file for file in place.rglob("*.*") if file.is_file()] if place.is_dir() else [place]
+        text = "".join(file.read_text(encoding="utf-8") for file in files if file.suffix in (".hpp", ".cpp", ".py", ".ts"))
+        for word in words:
+            if word not in places and not all(re.search(rf"\b{part}\b", text) for part in re.findall(r"\w+", word)):
+                yield f"docs/architecture.md: no {word} in the places of its row"
+
+
 if __name__ == "__main__":
     source = Path(sys.argv[1])
 
@@ -46,5 +65,11 @@ if __name__ == "__main__":
     found = forgotten(read)
     planted = forgotten(lambda path: re.sub(r"(enum class LoopKind {)", r"\1 slot, // a new one\n", read(path)))
     assert len(planted) == len(found) + 2, planted
-    print("\n".join(found) or "every kind is in its table and in the docs")
+    page = read("docs/architecture.md")
+    changed = page.replace("`reader_for`", "`reader_of`").replace("`io/load.cpp`", "`io/loads.cpp`")
+    places = list(misplaced(page, source))
+    planted = list(misplaced(changed, source))
+    assert len(planted) == len(places) + 2, planted
+    found += places
+    print("\n".join(found) or "every kind is in its table and in the docs, and every place of the architecture exists")
     sys.exit(bool(found))
