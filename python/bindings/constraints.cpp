@@ -2,7 +2,6 @@
 
 #include <nanobind/stl/string.h>
 
-#include "axode/constraints/absolute/joint_state.hpp"
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/constrained_derivatives.hpp"
@@ -10,7 +9,6 @@
 #include "axode/constraints/independent/independent_equations.hpp"
 #include "axode/constraints/independent/independent_linearization.hpp"
 #include "axode/constraints/mobility.hpp"
-#include "axode/lie/representation_change.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/named_tuple.hpp"
@@ -111,10 +109,10 @@ nb::object mobility_of(const BoundModel& m, ArrayLike q) {
   const LoopMobility found = states.released(1000, [&] { return loop_mobility(m, states.q(0)); });
   nb::list redundant;
   for (const RedundantRow& row : found.redundant)
-    redundant.append(named_tuple("axode.records", "RedundantRow", row.row, to_str(row.loop),
-                                 to_str(row.wrench), to_array(row.dependency)));
-  return named_tuple("axode.records", "LoopMobility", found.degrees_of_freedom, found.rank, redundant,
-                     to_str(to_string(found.mobility)), to_array(found.kernel), to_list(found.indeterminate));
+    redundant.append(
+        record("RedundantRow", row.row, to_str(row.loop), to_str(row.wrench), to_array(row.dependency)));
+  return record("LoopMobility", found.degrees_of_freedom, found.rank, redundant,
+                to_str(to_string(found.mobility)), to_array(found.kernel), to_list(found.indeterminate));
 }
 
 nb::object independent_equations_of(const BoundModel& m, ArrayLike q, ArrayLike v, nb::handle independent,
@@ -126,8 +124,8 @@ nb::object independent_equations_of(const BoundModel& m, ArrayLike q, ArrayLike 
   const IndependentEquations found = applied.with(0, [&](const Loads<double>& now) {
     return independent_equations(m, states.q(0), of_v[0], chosen, now);
   });
-  return named_tuple("axode.records", "IndependentEquations", to_list(found.velocities), to_array(found.M),
-                     to_array(found.h), to_array(found.N), to_array(found.c));
+  return record("IndependentEquations", to_list(found.velocities), to_array(found.M), to_array(found.h),
+                to_array(found.N), to_array(found.c));
 }
 
 nb::object independent_linearization_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
@@ -143,8 +141,8 @@ nb::object independent_linearization_of(const BoundModel& m, ArrayLike q, ArrayL
   NewArray A = states.result(square);
   as_eigen(item(A, 0, square)) = found.A.transpose().reshaped();  // arrays are stored row by row
   states.refuse({found.solvability}, A);
-  return named_tuple("axode.records", "IndependentLinearization", to_list(found.velocities), A.array(),
-                     to_array(found.B), to_array(found.N), to_array(found.D));
+  return record("IndependentLinearization", to_list(found.velocities), A.array(), to_array(found.B),
+                to_array(found.N), to_array(found.D));
 }
 
 Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitution, int threads) {
@@ -168,34 +166,6 @@ template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, con
     f(workspace, states.q(k), item(out, k, shape));
   });
   return out.array();
-}
-
-/// The state of the joints from the poses and twists of all frames, or of the ground and the bodies only.
-nb::object joint_state_of(const BoundModel& m, ArrayLike given_C, ArrayLike given_V,
-                          Representation representation, nb::handle near) {
-  const Numbers C("C", given_C), V("V", given_V);
-  const nb::ssize_t bodies = m->n_bodies() + 1, frames = C.axes() == 3 ? C.length(0) : 0;
-  const std::string expected = std::to_string(bodies) + " bodies, the ground first, or all " +
-                               std::to_string(m->n_frames()) + " frames";
-  if (C.axes() != 3 || !C.ends_with({4, 4}) || (frames != bodies && frames != m->n_frames()))
-    C.wrong_shape("(N, 4, 4), poses of " + expected);
-  if (V.axes() != 2 || !V.ends_with({frames, 6}))
-    V.wrong_shape("(" + std::to_string(frames) + ", 6), a twist for each pose");
-  std::vector<SE3<>> poses;
-  std::vector<Twist<BodyFixed>> twists;
-  for (nb::ssize_t i = 0; i < bodies; ++i) {
-    poses.push_back(pose_from("C[" + std::to_string(i) + "]", C.data() + 16 * i));
-    const double* const at = V.data() + 6 * i;
-    with_representation(representation, [&](auto rep) {
-      const Twist<decltype(rep)> X{vector_from(at), vector_from(at + 3)};
-      twists.push_back(change<BodyFixed>(poses.back(), X));
-    });
-  }
-  std::optional<States> around;
-  if (!near.is_none()) around.emplace(one_state(m, {near.ptr()}));
-  const JointState found = joint_state(m, poses, twists, around ? around->q(0) : std::span<const double>());
-  return named_tuple("axode.records", "JointState", to_array(found.q), to_array(found.v),
-                     found.position_residual, found.velocity_residual);
 }
 
 }  // namespace
@@ -264,8 +234,7 @@ nb::object multiplier_derivatives(const BoundModel& m, ArrayLike q, ArrayLike gi
     });
   });
   for (NewArray* out : {&by_q, &by_v, &by_tau}) states.refuse(found, *out);
-  return named_tuple("axode.records", "ForwardDynamicsDerivatives", by_q.array(), by_v.array(),
-                     by_tau.array());
+  return record("ForwardDynamicsDerivatives", by_q.array(), by_v.array(), by_tau.array());
 }
 
 }  // namespace
@@ -501,26 +470,6 @@ the wrenches are those of the least multipliers. Couplings exert forces on joint
 >>> W = axode.constraint_wrenches(fourbar, fourbar.neutral(), np.zeros(3), np.zeros(3), "spatial")
 >>> W.shape
 (1, 6)
-)");
-  module.def(
-      "joint_state", &joint_state_of, "m"_a, "C"_a, "V"_a, "representation"_a = "body", "near"_a = nb::none(),
-      nb::sig(
-          "def joint_state(m: Model, C: numpy.typing.ArrayLike, V: numpy.typing.ArrayLike, representation: "
-          "typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', near: numpy.typing.ArrayLike | "
-          "None = "
-          "None) -> axode.records.JointState"),
-      R"(
-The state (q, v) of the joints whose bodies have poses C and twists V, with the residuals of the joints: see
-`JointState`.
-
-C (n, 4, 4) and V (n, 6) are those of the ground and all bodies, or of all frames; the function is the inverse of
-`poses` and `twists`. Angles are those nearest to `near` (nq,), or to the neutral configuration if it is left out.
-O(n).
-
->>> q, v = np.full(7, 0.5), np.ones(7)
->>> found = axode.joint_state(arm, axode.poses(arm, q), axode.twists(arm, q, v))
->>> found.q.round(9), bool(found.position_residual < 1e-12)
-(array([0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]), True)
 )");
 }
 

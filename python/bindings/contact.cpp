@@ -44,10 +44,10 @@ nb::list distances_of(const BoundModel& m, ArrayLike q, std::optional<double> ma
   nb::list all;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const ShapeDistance& d = found[k];
-    all.append(named_tuple("axode.records", "ShapeDistance", to_str(distances.shapes()[d.a].name),
-                           to_str(distances.shapes()[d.b].name), d.distance, to_array(d.normal),
-                           to_array(d.point_a), to_array(d.point_b), d.residual, d.proved,
-                           to_array(std::span<const double>(J).subspan(k * nv, nv))));
+    all.append(record("ShapeDistance", to_str(distances.shapes()[d.a].name),
+                      to_str(distances.shapes()[d.b].name), d.distance, to_array(d.normal),
+                      to_array(d.point_a), to_array(d.point_b), d.residual, d.proved,
+                      to_array(std::span<const double>(J).subspan(k * nv, nv))));
   }
   return all;
 }
@@ -98,7 +98,7 @@ nb::object pair_distances_of(const BoundModel& m, ArrayLike q, nb::handle given,
       };
     });
   });
-  return named_tuple("axode.records", "PairDistances", distances.array(), jacobians.array());
+  return record("PairDistances", distances.array(), jacobians.array());
 }
 
 /// The arguments of a motion with contact whose derivatives are asked for.
@@ -144,8 +144,8 @@ nb::object contact_rollout_derivatives_of(const BoundModel& m, ArrayLike q, Arra
   const ContactMotion motion(m, q, v, tau, step);
   const nb::ssize_t K = motion.K, nq = m->nq(), nv = m->nv(), n = motion.number_of_shapes(),
                     bodies = m->n_bodies();
-  NewArray q_out(Shape{K + 1, nq}), v_out(Shape{K + 1, nv}), A(Shape{K, 2 * nv, 2 * nv}),
-      B(Shape{K, 2 * nv, nv}), C(Shape{K, 2 * nv, 3, n});
+  NewArray q_out(Shape{K + 1, nq}), v_out(Shape{K + 1, nv});
+  NewArray A(Shape{K, 2 * nv, 2 * nv}), B(Shape{K, 2 * nv, nv}), C(Shape{K, 2 * nv, 3, n});
   std::optional<NewArray> placement, inertia, geometry;
   ContactParameters<double> by;
   if (parameters) {
@@ -159,9 +159,9 @@ nb::object contact_rollout_derivatives_of(const BoundModel& m, ArrayLike q, Arra
                                        monitor);
   });
   const auto or_none = [](std::optional<NewArray>& x) { return x ? nb::cast(x->array()) : nb::none(); };
-  return named_tuple("axode.records", "ContactRolloutDerivatives", q_out.array(), v_out.array(), A.array(),
-                     B.array(), C.array(), found.certificate, found.unique, found.at_kink, or_none(placement),
-                     or_none(inertia), or_none(geometry));
+  return record("ContactRolloutDerivatives", q_out.array(), v_out.array(), A.array(), B.array(), C.array(),
+                found.certificate, found.unique, found.at_kink, or_none(placement), or_none(inertia),
+                or_none(geometry));
 }
 
 std::tuple<Array, Array> contact_rollout_jvp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
@@ -199,8 +199,8 @@ nb::object contact_rollout_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v,
   const nb::ssize_t K = motion.K, nv = m->nv(), n = motion.number_of_shapes(), bodies = m->n_bodies();
   const Items of_q = states.items("w_q", w_q, {K + 1, nv}, "nv numbers for each state"),
               of_v = states.items("w_v", w_v, {K + 1, nv}, "nv numbers for each state");
-  NewArray by_q(Shape{nv}), by_v(Shape{nv}), by_tau(Shape{K, nv}), surfaces(Shape{3, n}),
-      placement(Shape{n, 6}), inertia(Shape{10 * bodies});
+  NewArray by_q(Shape{nv}), by_v(Shape{nv}), by_tau(Shape{K, nv});
+  NewArray surfaces(Shape{3, n}), placement(Shape{n, 6}), inertia(Shape{10 * bodies});
   std::optional<NewArray> geometry;
   if (motion.knows_geometry()) geometry.emplace(Shape{bodies, 6});
   static_cast<void>(motion.run([&](const Monitor& monitor) {
@@ -209,9 +209,8 @@ nb::object contact_rollout_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v,
         {by_q.all(), by_v.all(), by_tau.all()}, monitor,
         {surfaces.all(), placement.all(), inertia.all(), geometry ? geometry->all() : std::span<double>()});
   }));
-  return named_tuple("axode.records", "ContactRolloutGradient", by_q.array(), by_v.array(), by_tau.array(),
-                     surfaces.array(), placement.array(), inertia.array(),
-                     geometry ? nb::cast(geometry->array()) : nb::none());
+  return record("ContactRolloutGradient", by_q.array(), by_v.array(), by_tau.array(), surfaces.array(),
+                placement.array(), inertia.array(), geometry ? nb::cast(geometry->array()) : nb::none());
 }
 
 BoundModel with_shapes_of(const BoundModel& m, nb::handle friction, nb::handle restitution,

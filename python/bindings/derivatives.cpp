@@ -32,8 +32,7 @@ nb::object motion_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLik
                            {gradient.first(nv), gradient.subspan(nv, nv), gradient.last(nv)});
                      });
   });
-  return named_tuple("axode.records", "InverseDynamicsDerivatives", out.part(0, 1), out.part(1, 1),
-                     out.part(2, 1));
+  return record("InverseDynamicsDerivatives", out.part(0, 1), out.part(1, 1), out.part(2, 1));
 }
 
 nb::object linearize_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, LoadList loads,
@@ -53,7 +52,7 @@ nb::object linearize_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike
   });
   states.refuse(found, A);
   states.refuse(found, B);
-  return named_tuple("axode.records", "Linearization", A.array(), B.array());
+  return record("Linearization", A.array(), B.array());
 }
 
 nb::object equilibrium_of(const BoundModel& m, ArrayLike q0, nb::handle tau, LoadList loads, double tolerance,
@@ -68,8 +67,8 @@ nb::object equilibrium_of(const BoundModel& m, ArrayLike q0, nb::handle tau, Loa
                          {tolerance, iterations});
     });
   });
-  return named_tuple("axode.records", "Equilibrium", to_str(to_string(found.status)), to_array(found.q),
-                     found.residual, found.iterations);
+  return record("Equilibrium", to_str(to_string(found.status)), to_array(found.q), found.residual,
+                found.iterations);
 }
 
 }  // namespace

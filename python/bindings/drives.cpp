@@ -5,6 +5,7 @@
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/named_tuple.hpp"
 #include "python/bindings/support/one_state.hpp"
+#include "python/bindings/trajectory.hpp"
 
 /// Drives for simulations. The arguments are documented in the Python module axode.drives.
 namespace axode::python {
@@ -131,8 +132,7 @@ nb::object linearize_with_drives_of(const BoundModel& m, ArrayLike q, ArrayLike 
   states.refuse({found.solvability}, A);
   nb::list inputs;
   for (const std::size_t drive : at.drives.inputs()) inputs.append(to_str(at.drives.name(drive)));
-  return named_tuple("axode.records", "DriveLinearization", A.array(), to_array(found.B), at.states(),
-                     inputs);
+  return record("DriveLinearization", A.array(), to_array(found.B), at.states(), inputs);
 }
 
 nb::object equilibrium_with_drives_of(const BoundModel& m, ArrayLike q, nb::handle x, double t) {
@@ -140,8 +140,8 @@ nb::object equilibrium_with_drives_of(const BoundModel& m, ArrayLike q, nb::hand
   const std::vector<double> still(static_cast<std::size_t>(m->nv()));
   DrivesAt at(m, number("t", nb::float_(t)), states.q(0), still, x);
   const DriveEquilibrium found = equilibrium_with_drives(m, at.drives, t, states.q(0), at.x);
-  return named_tuple("axode.records", "DriveEquilibrium", found.found, to_array(found.q), to_array(found.x),
-                     at.states(), found.residual);
+  return record("DriveEquilibrium", found.found, to_array(found.q), to_array(found.x), at.states(),
+                found.residual);
 }
 
 }  // namespace

@@ -17,9 +17,4 @@ struct BoundDrive {
 /// Throws nb::value_error if the drive was made for a model with another nq or nv.
 void check_drive(const BoundModel& m, const BoundDrive& drive);
 
-/// The motion that an axode.Trajectory holds; null if `given` is another object.
-const Trajectory* motion_in(nb::handle given);
-/// An axode.Trajectory that holds the motion.
-nb::object bound_trajectory(Trajectory motion);
-
 }  // namespace axode::python

@@ -296,7 +296,7 @@ nb::object spring_coordinate_of(const BoundModel& m, ArrayLike q, nb::handle spr
         spring_coordinate<double>(m, workspace, number, states.q(k), item(gradient, k, row));
   });
   states.refuse({}, coordinate);
-  return named_tuple("axode.records", "SpringCoordinate", coordinate.array(), gradient.array());
+  return record("SpringCoordinate", coordinate.array(), gradient.array());
 }
 
 void add_energies(nb::module_& module) {

@@ -32,7 +32,10 @@ std::tuple<nb::object, Array> jacobian_columns_of(const BoundModel& m, ArrayLike
     });
     nb::list velocities;
     std::vector<Twist<Rep>> J;
-    for (const JacobianColumn<Rep>& column : found) velocities.append(column.c), J.push_back(column.J);
+    for (const JacobianColumn<Rep>& column : found) {
+      velocities.append(column.c);
+      J.push_back(column.J);
+    }
     return std::tuple(nb::object(velocities), columns(std::span<const Twist<Rep>>(J)));
   });
 }
@@ -204,8 +207,8 @@ nb::object inverse_kinematics_of(const BoundModel& m, nb::handle given, ArrayLik
     options.monitor = [&] { return monitor(0, 0); };
     return inverse_kinematics(m, targets, states.q(0), options);
   });
-  return named_tuple("axode.records", "InverseKinematics", to_str(to_string(found.status)), to_array(found.q),
-                     found.residual, found.iterations, found.restarts);
+  return record("InverseKinematics", to_str(to_string(found.status)), to_array(found.q), found.residual,
+                found.iterations, found.restarts);
 }
 
 }  // namespace

@@ -37,17 +37,17 @@ nb::object branch_of(const MotionBranch& branch, const std::vector<std::string>&
   const int D = branch.dimension;
   nb::list points;
   for (const BranchPoint& point : branch.points)
-    points.append(named_tuple("axode.records", "BranchPoint", to_array(point.parameter), to_array(point.x),
-                              to_array(point.q), point.residual));
+    points.append(record("BranchPoint", to_array(point.parameter), to_array(point.x), to_array(point.q),
+                         point.residual));
   nb::object II = nb::none();
   if (branch.II.size() > 0)
     II = to_array(branch.II).array.attr("reshape")(D, D, static_cast<int>(coordinates.size()));
   nb::object series = nb::none();
   if (branch.series.size() > 0) series = to_array(branch.series).array;
-  return named_tuple("axode.records", "MotionBranch", D, branch.power, to_array(branch.T), II, series,
-                     branch.settled, branch.closes, branch.multiple, branch.differential_mobility_beside,
-                     texts(coordinates, branch.dead), texts(coordinates, branch.idle),
-                     texts(loops, branch.loops), points, to_array(branch.residual_orders));
+  return record("MotionBranch", D, branch.power, to_array(branch.T), II, series, branch.settled,
+                branch.closes, branch.multiple, branch.differential_mobility_beside,
+                texts(coordinates, branch.dead), texts(coordinates, branch.idle), texts(loops, branch.loops),
+                points, to_array(branch.residual_orders));
 }
 
 nb::object local_mobility_of(const BoundModel& m, ArrayLike q, int order, double length) {
@@ -63,13 +63,12 @@ nb::object local_mobility_of(const BoundModel& m, ArrayLike q, int order, double
   for (const MotionBranch& branch : found.branches) branches.append(branch_of(branch, names, found.loops));
   for (const MobilityCondition& condition : found.conditions)
     conditions.append(nb::make_tuple(condition.degree, texts(found.loops, condition.loops)));
-  return named_tuple("axode.records", "LocalMobility", texts(mobility_words(*m, found)), found.local_mobility,
-                     found.differential_mobility, integers(found.mobility_by_order), found.settled,
-                     found.settled_at_order, found.rigid_at_order, branches, conditions, texts(names),
-                     integers(velocities), integers(found.outside), texts(found.loops), found.order,
-                     found.length, found.equations, found.rank, found.smallest_kept, found.largest_dropped,
-                     found.decided_by_rank,
-                     nb::make_tuple(found.probe.starts, found.probe.closed, found.probe.missed));
+  return record(
+      "LocalMobility", texts(mobility_words(*m, found)), found.local_mobility, found.differential_mobility,
+      integers(found.mobility_by_order), found.settled, found.settled_at_order, found.rigid_at_order,
+      branches, conditions, texts(names), integers(velocities), integers(found.outside), texts(found.loops),
+      found.order, found.length, found.equations, found.rank, found.smallest_kept, found.largest_dropped,
+      found.decided_by_rank, nb::make_tuple(found.probe.starts, found.probe.closed, found.probe.missed));
 }
 
 Array closure_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike derivatives) {

@@ -41,6 +41,7 @@ NB_MODULE(_axode, module) {
   add_derivatives(module);
   add_rates(module);
   add_constraints(module);
+  add_joint_state(module);
   add_mobility(module);
   add_task_space(module);
   add_contact(module);

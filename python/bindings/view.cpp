@@ -5,13 +5,13 @@
 #include <sstream>
 
 #include "axode/model/configuration.hpp"
-#include "python/bindings/contact_force.hpp"
 #include "python/bindings/states/states.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
 #include "python/bindings/support/one_state.hpp"
 #include "python/bindings/support/text.hpp"
+#include "python/bindings/trajectory.hpp"
 
 /// Pages for a browser. Arguments are prepared and documented in the Python module axode.viewer.
 namespace axode::python {
@@ -58,7 +58,8 @@ void set_contacts(nb::handle given, ShownMotion& motion) {
 void set_loads(const BoundModel& m, ArrayLike q, nb::handle given, ShownMotion& motion) {
   const States states(m, q, 1, "motion.q");
   const AppliedLoads loads(states, {given.ptr()}, false);
-  for (std::size_t k = 0; k < states.count() && loads.count() > 0; ++k)
+  if (loads.count() == 0) return;
+  for (std::size_t k = 0; k < states.count(); ++k)
     loads.with(
         k, [&](const Loads<>& now) { motion.loads.emplace_back(now.wrenches.begin(), now.wrenches.end()); });
 }

@@ -55,8 +55,7 @@ nb::object dynamics_of(const BoundModel& m, double t, ArrayLike q, ArrayLike v, 
   NewArray a = states.result({m->nv()});
   std::ranges::copy(found.a, a.data());
   states.refuse({found.solvability}, a);
-  return named_tuple("axode.records", "DynamicsAtTime", a.array(), to_array(found.lambda),
-                     to_array(found.motion_forces));
+  return record("DynamicsAtTime", a.array(), to_array(found.lambda), to_array(found.motion_forces));
 }
 
 /// An array of `count` rows of `width` numbers each.
@@ -81,9 +80,9 @@ nb::object kinematic_motion_of(const BoundModel& m, ArrayLike times, nb::handle 
                                                  more, [&] { return throttle.should_continue(0); });
   call.end();
   const std::size_t n = found.t.size();
-  return named_tuple("axode.records", "KinematicMotion", to_array(found.t), rows_of(found.q, m->nq(), n),
-                     rows_of(found.v, m->nv(), n), rows_of(found.a, m->nv(), n),
-                     rows_of(found.jerk, m->nv(), n), found.complete, found.stop_reason);
+  return record("KinematicMotion", to_array(found.t), rows_of(found.q, m->nq(), n),
+                rows_of(found.v, m->nv(), n), rows_of(found.a, m->nv(), n), rows_of(found.jerk, m->nv(), n),
+                found.complete, found.stop_reason);
 }
 
 }  // namespace

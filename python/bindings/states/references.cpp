@@ -7,11 +7,11 @@
 #include "axode/integration/references/profiles.hpp"
 #include "axode/integration/references/sampled_trajectory.hpp"
 #include "axode/integration/references/straight_path.hpp"
-#include "python/bindings/drives.hpp"
 #include "python/bindings/states/prescribed_motion.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/one_state.hpp"
+#include "python/bindings/trajectory.hpp"
 
 /// Motions that drives follow. Profiles are documented in the Python module axode.drives.
 namespace axode::python {

@@ -63,8 +63,8 @@ nb::object rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v,
   motions.each(12 * quadratic_cost(*m), A, [&](std::size_t n, const Monitor& should_continue) {
     Workspace<> workspace(*m);
     const std::span<const double> from = motions.states.q(n);
-    std::vector<double> q_k(from.begin(), from.end()), v_k(motions.v[n].begin(), motions.v[n].end()),
-        q_1(q_k), v_1(v_k);
+    std::vector<double> q_k(from.begin(), from.end()), v_k(motions.v[n].begin(), motions.v[n].end());
+    std::vector<double> q_1(q_k), v_1(v_k);
     const std::span<double> A_n = item(A, n, shape_A), B_n = item(B, n, shape_B);
     std::ranges::fill(A_n, std::numeric_limits<double>::quiet_NaN());
     std::ranges::fill(B_n, std::numeric_limits<double>::quiet_NaN());
@@ -79,7 +79,7 @@ nb::object rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v,
     }
     return found;
   });
-  return named_tuple("axode.records", "RolloutDerivatives", A.array(), B.array());
+  return record("RolloutDerivatives", A.array(), B.array());
 }
 
 nb::object rollout_derivatives_with_drives_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
@@ -94,8 +94,8 @@ nb::object rollout_derivatives_with_drives_of(const BoundModel& m, ArrayLike q, 
   const nb::ssize_t K = motions.K(), nv = m->nv(), z = 2 * nv + nx;
   const Shape shape_q{K + 1, m->nq()}, shape_v{K + 1, nv}, shape_x{K + 1, nx}, shape_A{K, z, z},
       shape_B{K, z, nv}, shape_C{K, z, nu};
-  NewArray q_out = states.result(shape_q), v_out = states.result(shape_v), x_out = states.result(shape_x),
-           A = states.result(shape_A), B = states.result(shape_B), C = states.result(shape_C);
+  NewArray q_out = states.result(shape_q), v_out = states.result(shape_v), x_out = states.result(shape_x);
+  NewArray A = states.result(shape_A), B = states.result(shape_B), C = states.result(shape_C);
   motions.each(20 * quadratic_cost(*m), A, [&](std::size_t n, const Monitor& should_continue) {
     return rollout_derivatives_with_drives(
         *m, drives, t, states.q(n), motions.v[n], given ? (*given)[n] : std::span<const double>(),
@@ -107,8 +107,8 @@ nb::object rollout_derivatives_with_drives_of(const BoundModel& m, ArrayLike q, 
   nb::list names, inputs;
   for (const DriveState& state : drives.states()) names.append(to_str(state.name));
   for (const std::size_t drive : drives.inputs()) inputs.append(to_str(drives.name(drive)));
-  return named_tuple("axode.records", "DriveRolloutDerivatives", q_out.array(), v_out.array(), x_out.array(),
-                     A.array(), B.array(), C.array(), names, inputs);
+  return record("DriveRolloutDerivatives", q_out.array(), v_out.array(), x_out.array(), A.array(), B.array(),
+                C.array(), names, inputs);
 }
 
 std::tuple<Array, Array> rollout_jvp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
@@ -133,16 +133,15 @@ nb::object rollout_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLi
   const Items of_q = motions.rows("w_q", w_q, motions.K() + 1),
               of_v = motions.rows("w_v", w_v, motions.K() + 1);
   const Shape one{m->nv()}, steps{motions.K(), m->nv()}, bodies{m->n_bodies(), 6};
-  NewArray by_q = motions.states.result(one), by_v = motions.states.result(one),
-           by_tau = motions.states.result(steps), geometry = motions.states.result(bodies);
+  NewArray by_q = motions.states.result(one), by_v = motions.states.result(one);
+  NewArray by_tau = motions.states.result(steps), geometry = motions.states.result(bodies);
   motions.each(20 * linear_cost(*m), by_q, [&](std::size_t n, const Monitor& should_continue) {
     return rollout_vjp(
         *m, motions.states.q(n), motions.v[n], motions.tau[n], step, of_q[n], of_v[n],
         {item(by_q, n, one), item(by_v, n, one), item(by_tau, n, steps), item(geometry, n, bodies)}, {},
         runge_kutta(4), should_continue);
   });
-  return named_tuple("axode.records", "RolloutGradient", by_q.array(), by_v.array(), by_tau.array(),
-                     geometry.array());
+  return record("RolloutGradient", by_q.array(), by_v.array(), by_tau.array(), geometry.array());
 }
 
 }  // namespace

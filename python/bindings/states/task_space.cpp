@@ -152,8 +152,8 @@ nb::object equations_of(BoundTaskSpace& space, ArrayLike q, ArrayLike given_v, L
   NewArray M = states.result({space.freedom(), space.freedom()});
   std::ranges::fill(M.all(), std::numeric_limits<double>::quiet_NaN());
   space.refuse(states, {found.verdict}, M);
-  return named_tuple("axode.records", "TaskEquations", to_array(found.M), to_array(found.h),
-                     to_array(found.J), found.drives, to_array(found.F), to_array(found.c));
+  return record("TaskEquations", to_array(found.M), to_array(found.h), to_array(found.J), found.drives,
+                to_array(found.F), to_array(found.c));
 }
 
 std::tuple<Array, Array> rates_of(BoundTaskSpace& space, ArrayLike q, ArrayLike given, LoadList loads,
@@ -200,9 +200,9 @@ nb::list singularities_of(BoundTaskSpace& space, ArrayLike q, double within) {
     write_screw(found.twist, twist.data());
     nb::list joints;
     for (const std::string& name : found.joints) joints.append(to_str(name));
-    all.append(named_tuple("axode.records", "TaskSingularity", types[static_cast<std::size_t>(found.type)],
-                           found.limb < 0 ? nb::object(nb::none()) : nb::object(nb::int_(found.limb)),
-                           found.distance, twist.array(), joints, to_str(found.sentence)));
+    all.append(record("TaskSingularity", types[static_cast<std::size_t>(found.type)],
+                      found.limb < 0 ? nb::object(nb::none()) : nb::object(nb::int_(found.limb)),
+                      found.distance, twist.array(), joints, to_str(found.sentence)));
   }
   return all;
 }

@@ -15,6 +15,7 @@ void add_momentum(nanobind::module_& module);
 void add_derivatives(nanobind::module_& module);
 void add_rates(nanobind::module_& module);
 void add_constraints(nanobind::module_& module);
+void add_joint_state(nanobind::module_& module);
 void add_mobility(nanobind::module_& module);
 void add_task_space(nanobind::module_& module);
 void add_contact(nanobind::module_& module);

@@ -51,8 +51,8 @@ Array to_array(const SE3<>& C) {
 Array to_array(const Inertia<>& M) { return to_array(to_eigen(M)); }
 Array to_array(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   NewArray out({matrix.rows(), matrix.cols()});
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-      out.data(), matrix.rows(), matrix.cols()) = matrix;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Map<Rows>(out.data(), matrix.rows(), matrix.cols()) = matrix;
   return out.array();
 }
 

@@ -11,7 +11,11 @@
 /// first, poses (4, 4), inertia matrices (6, 6), quaternions (4,) in the order x y z w.
 namespace axode::python {
 
-inline void write(const Vec3<>& a, double* to) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }
+inline void write(const Vec3<>& a, double* to) {
+  to[0] = a.x;
+  to[1] = a.y;
+  to[2] = a.z;
+}
 template <class Screwlike> void write_screw(const Screwlike& X, double* to) {
   const auto& [a, b] = X;
   write(a, to);
@@ -41,7 +45,10 @@ Array to_array(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 template <class Screwlike> Array columns(std::span<const Screwlike> screws) {
   NewArray out({static_cast<nb::ssize_t>(screws.size()), 6});
   double* to = out.data();
-  for (const Screwlike& X : screws) write_screw(X, to), to += 6;
+  for (const Screwlike& X : screws) {
+    write_screw(X, to);
+    to += 6;
+  }
   return out.transposed();
 }
 

@@ -1,7 +1,6 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "axode/io.hpp"
@@ -10,9 +9,9 @@
 #include "axode/model/building/placement.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/inertial_parameters.hpp"
+#include "python/bindings/model/model.hpp"
 #include "python/bindings/states/states.hpp"
 #include "python/bindings/support/bindings.hpp"
-#include "python/bindings/support/bound_model.hpp"
 #include "python/bindings/support/choice.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/description.hpp"
@@ -38,31 +37,6 @@ std::string name_in(const char* argument, nb::handle given) {
   return text_of(given);
 }
 
-/// A joint that Python holds, with its model, from which the names of its indices follow.
-struct BoundJoint {
-  const BoundModel* model;
-  int i;
-  const Joint& operator*() const { return (*model)->joint(i); }
-};
-struct BoundBody {
-  const BoundModel* model;
-  int i;
-  const Body& operator*() const { return (*model)->body(i); }
-};
-
-/// An array with one number of each degree of freedom of a joint.
-template <double Dof::*number> Array of_each_dof(const BoundJoint& joint) {
-  NewArray out({static_cast<nb::ssize_t>((*joint).dof.size())});
-  double* to = out.data();
-  for (const Dof& dof : (*joint).dof) *to++ = dof.*number;
-  return out.array();
-}
-
-std::string rounded(double x) {
-  std::array<char, 32> text;
-  return {text.data(), static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.6g", x))};
-}
-
 std::string repr(const BoundModel& model) {
   const auto count = [](int n, const char* one, const char* many) {
     return std::to_string(n) + (n == 1 ? one : many);
@@ -70,11 +44,6 @@ std::string repr(const BoundModel& model) {
   return "Model(\"" + model->name() + "\": " + count(model->n_bodies(), " moving body", " moving bodies") +
          ", nq = " + std::to_string(model->nq()) + ", nv = " + std::to_string(model->nv()) + ", " +
          count(model->n_frames(), " frame", " frames") + ", " + rounded(model->total_mass()) + " kg)";
-}
-
-std::string indices(int first, int n) {
-  if (n == 0) return "-";
-  return n == 1 ? std::to_string(first) : std::to_string(first) + ":" + std::to_string(first + n);
 }
 
 /// A line of text for each joint: kind, indices of q and v, the body that it moves, and its predecessor.
@@ -96,276 +65,6 @@ std::string table(const BoundModel& model) {
       text += " " + row[c] + (c + 1 < row.size() ? std::string(width[c] - row[c].size() + 1, ' ') : "");
   }
   return text;
-}
-
-void add_parts(nb::module_& module) {
-  nb::class_<BoundJoint>(module, "Joint", "The joint that moves a body; read only.")
-      .def_prop_ro("name", [](const BoundJoint& j) { return (*j).name; })
-      .def_prop_ro(
-          "kind", [](const BoundJoint& j) { return std::string(to_string((*j).kind)); },
-          "revolute, prismatic, helical, spherical, planar or free.")
-      .def_prop_ro(
-          "pitch", [](const BoundJoint& j) { return (*j).pitch; }, "Pitch of a helical joint, m/rad.")
-      .def_prop_ro(
-          "q", [](const BoundJoint& j) { return nb::slice((*j).iq, (*j).iq + (*j).nq, 1); },
-          nb::sig("def q(self) -> slice[int, int, int]"),
-          "Slice of its coordinates in q: `q[m.joint(name).q]`. Empty for a coupled joint.")
-      .def_prop_ro(
-          "v", [](const BoundJoint& j) { return nb::slice((*j).iv, (*j).iv + (*j).nv, 1); },
-          nb::sig("def v(self) -> slice[int, int, int]"), "Slice of its velocities in v, a and tau.")
-      .def_prop_ro("nq", [](const BoundJoint& j) { return (*j).nq; })
-      .def_prop_ro("nv", [](const BoundJoint& j) { return (*j).nv; })
-      .def_prop_ro(
-          "leader",
-          [](const BoundJoint& j) -> std::optional<std::tuple<std::string, double, double>> {
-            if (!(*j).leader) return std::nullopt;
-            return std::tuple((*j.model)->joint((*j).leader->joint).name, (*j).leader->ratio,
-                              (*j).leader->offset);
-          },
-          "(name, ratio, offset) if its coordinate is ratio * the coordinate of joint `name` + offset, else "
-          "None.")
-      .def_prop_ro("lower", &of_each_dof<&Dof::lower>,
-                   "Lower limit of each degree of freedom, rad or m; may be -inf.")
-      .def_prop_ro("upper", &of_each_dof<&Dof::upper>,
-                   "Upper limit of each degree of freedom, rad or m; may be inf.")
-      .def_prop_ro("velocity", &of_each_dof<&Dof::velocity>, "Largest speed, rad/s or m/s; may be inf.")
-      .def_prop_ro("effort", &of_each_dof<&Dof::effort>, "Largest drive force, N m or N; may be inf.")
-      .def_prop_ro("damping", &of_each_dof<&Dof::damping>,
-                   "Viscous damping, N m s/rad or N s/m; counted if `joint_losses` is set.")
-      .def_prop_ro("friction", &of_each_dof<&Dof::friction>,
-                   "Coulomb friction, N m or N; counted if `joint_losses` is set.")
-      .def_prop_ro("armature", &of_each_dof<&Dof::armature>,
-                   "Inertia of the drive at the joint, kg m^2 or kg.")
-      .def_prop_ro("gear_loss", &of_each_dof<&Dof::gear_loss>,
-                   "Part of the force that its gear transmits and loses in addition while the drive drives; "
-                   "counted if `joint_losses` is set.")
-      .def_prop_ro(
-          "gear_loss_back",
-          [](const BoundJoint& j) {
-            NewArray out({static_cast<nb::ssize_t>((*j).dof.size())});
-            double* to = out.data();
-            for (const Dof& dof : (*j).dof) *to++ = dof.gear_loss_back.value_or(dof.gear_loss);
-            return out.array();
-          },
-          "Losses of the gears of its degrees of freedom while the joint drives the drive back; from 1 on a "
-          "gear locks itself.")
-      .def_prop_ro(
-          "passive", [](const BoundJoint& j) { return (*j).passive; },
-          "Whether it has no drive; this matters in mechanisms with loops.")
-      .def("__repr__", [](const BoundJoint& j) {
-        return "Joint(\"" + (*j).name + "\": " + std::string(to_string((*j).kind)) + ", q " +
-               indices((*j).iq, (*j).nq) + ", v " + indices((*j).iv, (*j).nv) + ")";
-      });
-  nb::class_<BoundBody>(module, "Body", "A body that moves, in the frame in which it was placed; read only.")
-      .def_prop_ro("name", [](const BoundBody& b) { return (*b).name; })
-      .def_prop_ro(
-          "predecessor", [](const BoundBody& b) { return (*b.model)->body((*b).predecessor).name; },
-          "The body that carries it, or \"ground\".")
-      .def_prop_ro(
-          "A", [](const BoundBody& b) { return to_array((*b).A); },
-          "C_i(0), pose at q = 0 in the inertial frame, (4, 4), m.")
-      .def_prop_ro(
-          "B", [](const BoundBody& b) { return to_array((*b).B); },
-          "Pose at q = 0 in the predecessor's frame, (4, 4), m.")
-      .def_prop_ro(
-          "S_self", [](const BoundBody& b) { return to_array((*b).S_self); },
-          "Pose of the joint frame in the body frame, (4, 4), m; its z-axis is the joint axis.")
-      .def_prop_ro(
-          "X", [](const BoundBody& b) { return columns(std::span<const Screw<>>((*b).X)); },
-          "Joint screws in the body frame, (6, d), angular before linear; a column for each velocity.")
-      .def_prop_ro(
-          "M", [](const BoundBody& b) { return to_array((*b).M); },
-          "Inertia matrix [[Theta, h~], [-h~, m I]] in the body frame, (6, 6), with all that is fixed to it "
-          "(eq. Mb).")
-      .def_prop_ro(
-          "mass", [](const BoundBody& b) { return (*b).M.m; }, "kg.")
-      .def("__repr__", [](const BoundBody& b) {
-        return "Body(\"" + (*b).name + "\" on \"" + (*b.model)->body((*b).predecessor).name + "\", " +
-               rounded((*b).M.m) + " kg)";
-      });
-}
-
-void add_configurations(nb::class_<BoundModel>& model) {
-  model
-      .def(
-          "neutral", [](const BoundModel& m) { return to_array(neutral(m)); }, R"(
-The configuration with every joint at zero and every quaternion (x y z w) the identity: shape (nq,).
-
->>> arm.neutral()
-array([0., 0., 0., 0., 0., 0., 0.])
-)")
-      .def(
-          "random",
-          [](const BoundModel& m, std::uint64_t seed, std::optional<std::size_t> n) {
-            if (!n) return to_array(random_configuration(m, seed));
-            NewArray out({static_cast<nb::ssize_t>(*n), m->nq()});
-            put(random_configurations(m, seed, *n), out.all());
-            return out.array();
-          },
-          "seed"_a = 0, "n"_a = nb::none(), R"(
-A random configuration within the limits, uniform for each joint, shape (nq,), or n configurations, (n, nq). The same
-seed gives the same result.
-
-Unlimited angles are in [-pi, pi], unlimited lengths in [-1, 1] m, rotations uniform on SO(3).
-
->>> q = arm.random(seed=3)
->>> q.shape
-(7,)
->>> arm.random(seed=3, n=100).shape
-(100, 7)
-)")
-      .def(
-          "normalize",
-          [](const BoundModel& m, ArrayLike q) {
-            return map_states(m, 1, linear_cost(m), {m->nq()}, q,
-                              [&](auto&, auto from, auto out) { put(normalize(m, from), out); })
-                .array();
-          },
-          "q"_a, R"(
-The configuration q with every quaternion scaled to norm 1, shape (nq,) or (N, nq). ValueError if the norm of one is
-0.
-
->>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
->>> base.normalize(2 * base.neutral())[:4]
-array([0., 0., 0., 1.])
-)")
-      .def(
-          "coordinate_rates",
-          [](const BoundModel& m, ArrayLike q, ArrayLike v) {
-            return map_states(
-                       m, 1, linear_cost(m), {m->nq()}, q,
-                       [&](auto&, auto from, auto by, auto out) { put(coordinate_rates(m, from, by), out); },
-                       Named{"v", v})
-                .array();
-          },
-          "q"_a, "v"_a, R"(
-The rates dq/dt = E(q) v of the coordinates, shape (nq,) or (N, nq), from v (nv,) or (N, nv). The rate of a quaternion
-a is a (omega; 0) / 2.
-
->>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
->>> base.coordinate_rates(base.neutral(), np.arange(base.nv))[:7]
-array([0. , 0.5, 1. , 0. , 3. , 4. , 5. ])
-)")
-      .def(
-          "velocities_from_rates",
-          [](const BoundModel& m, ArrayLike q, ArrayLike dq) {
-            const States states(m, q, 1);
-            const Items rates = states.configurations("dq", dq);
-            return each_item(states, linear_cost(m), {m->nv()},
-                             [&](auto&, std::size_t k, auto out) {
-                               put(velocities_from_rates(m, states.q(k), rates[k]), out);
-                             })
-                .array();
-          },
-          "q"_a, "dq"_a, R"(
-The velocities v from the rates dq/dt, the inverse of `coordinate_rates`: shape (nv,) or (N, nv).
-
-The part of a quaternion's rate that would change its norm is left out.
-
->>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
->>> q, v = base.random(), np.arange(base.nv)
->>> bool(np.allclose(base.velocities_from_rates(q, base.coordinate_rates(q, v)), v))
-True
-)")
-      .def(
-          "integrate",
-          [](const BoundModel& m, ArrayLike q, ArrayLike dv) {
-            return map_states(
-                       m, 1, linear_cost(m), {m->nq()}, q,
-                       [&](auto&, auto from, auto by, auto out) { put(integrate(m, from, by), out); },
-                       Named{"dv", dv})
-                .array();
-          },
-          "q"_a, "dv"_a, R"(
-q (+) dv: the configuration after every joint has moved along its left-trivialised direction.
-
-q has shape (nq,) or (N, nq), dv (nv,) or (N, nv), rad and m; a step of length h with velocity v is dv = h v.
-
->>> arm.integrate(arm.neutral(), np.full(7, 0.1))
-array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
-)")
-      .def(
-          "difference",
-          [](const BoundModel& m, ArrayLike q0, ArrayLike q1) {
-            const States states(m, q0, 1, "q0");
-            const Items to = states.configurations("q1", q1);
-            return each_item(
-                       states, linear_cost(m), {m->nv()},
-                       [&](auto&, std::size_t k, auto out) { put(difference(m, states.q(k), to[k]), out); })
-                .array();
-          },
-          "q0"_a, "q1"_a, R"(
-q1 (-) q0: the dv with integrate(q0, dv) = q1, the shorter way round on rotations.
-
-Shapes (nq,) or (N, nq) to (nv,) or (N, nv), rad and m.
-
->>> arm.difference(arm.neutral(), np.full(7, 0.2))
-array([0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2])
-)")
-      .def(
-          "initial_state",
-          [](const BoundModel& m) {
-            const InitialState start = initial_state(m);
-            return std::pair(to_array(start.q), to_array(start.v));
-          },
-          R"(
-(q, v): the state in which a motion of the mechanism starts, as its drawing says; (nq,) and (nv,).
-
-Joints that the drawing does not name are at zero and at rest.
-
->>> bool(arm.initial_state()[1].any())
-False
-)")
-      .def(
-          "interpolate",
-          [](const BoundModel& m, ArrayLike q0, ArrayLike q1, nb::handle s) {
-            const double part = number("s", s);
-            const States states(m, q0, 1, "q0");
-            const Items to = states.configurations("q1", q1);
-            return each_item(states, linear_cost(m), {m->nq()},
-                             [&](auto&, std::size_t k, auto out) {
-                               put(interpolate(m, states.q(k), to[k], part), out);
-                             })
-                .array();
-          },
-          "q0"_a, "q1"_a, "s"_a,
-          nb::sig(
-              "def interpolate(self, q0: numpy.typing.ArrayLike, q1: numpy.typing.ArrayLike, s: float) -> "
-              "numpy.typing.NDArray[numpy.float64]"),
-          R"(
-q0 (+) s (q1 (-) q0): a screw motion of every joint from q0 at s = 0 to q1 at s = 1.
-
-Shapes (nq,) or (N, nq).
-
->>> arm.interpolate(arm.neutral(), np.full(7, 0.2), 0.5)
-array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
-)")
-      .def(
-          "clamp",
-          [](const BoundModel& m, ArrayLike q) {
-            return map_states(m, 1, linear_cost(m), {m->nq()}, q,
-                              [&](auto&, auto from, auto out) { put(clamp(m, from), out); })
-                .array();
-          },
-          "q"_a, R"(
-The nearest configuration within the limits, shape (nq,) or (N, nq).
-
->>> bool(np.all(arm.clamp(np.full(7, 10.0)) <= arm.limits()[1]))
-True
-)")
-      .def(
-          "limits",
-          [](const BoundModel& m) {
-            const CoordinateLimits found = limits(m);
-            return std::pair(to_array(found.lower), to_array(found.upper));
-          },
-          R"(
-(lower, upper) limit of each coordinate, two arrays (nq,), rad and m; infinite if there is no limit.
-
->>> lower, upper = arm.limits()
->>> float(upper[0])
-2.96706
-)");
 }
 
 /// The lists of tables of a drawing, and the table of its initial state (or None), as Python objects.
@@ -643,7 +342,7 @@ Place<> place(const Model& model, FrameName frame, ArrayLike offset, const char*
 }
 
 void add_model(nb::module_& module) {
-  add_parts(module);
+  add_joint_and_body(module);
   nb::class_<BoundModel> model(module, "Model", nb::is_weak_referenceable(), R"(
 An immutable tree of bodies, which `load`, `Model.from_bodies` and `Builder` make. Threads may share it.
 
