@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, overload
 
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from .parallel import jobs, parquet_states
 from .support import signatures
 from ._axode import Model
+from .errors import StatesError
 from .parallel.jobs import Progress
-from .parallel.parquet_states import TableFunction
+from .parallel.parquet_states import Part, TableFunction
 
 import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
@@ -27,6 +28,8 @@ __all__ = ["TableFunction", "Written", "grid", "map_states", "sweep"]
 
 #: Parts of a sweep, about.
 PARTS = 256
+#: The largest number of states in a part, and of bytes of results whose size is known before they are computed.
+ROWS, BYTES = 1 << 16, 1 << 26
 
 
 class Written(NamedTuple):
@@ -44,15 +47,12 @@ class Written(NamedTuple):
     faulty: int
 
 
-# ----------------------------------------------------------------------------------------------------- states
-
-
 def map_states(m: Model, function: str | Callable[..., Any],
                states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], output: str | os.PathLike[str], *,
                arguments: Mapping[str, Any] | None = None, keep: Sequence[str] | Literal["all"] | None = None,
                dtype: Literal["float64", "float32"] = "float64", faulty: Literal["refuse", "nan"] = "refuse",
                overwrite: bool = False, cluster: str | None = None, threads: int | None = None, retries: int = 3,
-               rows_per_part: int = parquet_states.ROWS, progress: Progress = False) -> Written:
+               rows_per_part: int | None = None, progress: Progress = False) -> Written:
     """Computes a function of the states in Parquet files and writes Parquet files with the same rows in the same order.
 
     function: name of a function of this package that takes N states, such as "inverse_dynamics"; or a function of yours,
@@ -81,7 +81,7 @@ def map_states(m: Model, function: str | Callable[..., Any],
         otherwise this process. The workers of a cluster must see the files under the same names.
     threads: number of threads of this process; if left out, all cores, or one for a function of yours.
     retries: how often Ray computes a part again if its worker was lost.
-    rows_per_part: states in a part.
+    rows_per_part: states in a part; if left out, 65,536, or fewer if their results would exceed 64 MiB.
     progress: whether a bar is shown, which needs tqdm; or a function (rows done, rows).
 
     Memory is bounded: each core works on one part at a time. ValueError for wrong contents of the files, KeyError for
@@ -97,58 +97,47 @@ def map_states(m: Model, function: str | Callable[..., Any],
     >>> pq.read_table(folder + "/tau.parquet").column_names
     ['tau']
     """
-    _at_least_one("rows_per_part", rows_per_part)
     table_function = TableFunction(m, function, arguments, keep=keep, dtype=dtype, faulty=faulty)
+    if rows_per_part is None:
+        rows_per_part = max(1, min(ROWS, BYTES // max(1, table_function.row_bytes)))
+    _at_least_one("rows_per_part", rows_per_part)
     files = parquet_states.files_in(states)
-    task = _StatesTask(table_function, files, rows_per_part)
+    wanted: list[str] = []
+    parts: list[Part] = []
+    for file in files:
+        schema, found = parquet_states.slices(file, rows_per_part)
+        try:
+            taken, kept = table_function.columns(schema.names)
+        except ValueError as error:
+            raise ValueError(f"{file}: {error}") from error
+        columns = [name for name in schema.names if name in {*itertools.chain(*taken.values(), kept)}]
+        wanted = wanted or columns
+        if {*columns} != {*wanted}:
+            raise ValueError(f"{file}: it has the columns {', '.join(columns)}; {files[0]} has {', '.join(wanted)}")
+        parts += found
+    for one in [states] if isinstance(states, (str, os.PathLike)) else states:
+        folder, target = Path(one).resolve(), Path(output).resolve()
+        if folder == target or folder in target.parents or target in folder.parents:
+            raise ValueError(f"{output} and the states {one} contain each other; choose another folder")
+
+    def results(part: Part) -> tuple[Any, int]:
+        table = parquet_states.read(part, wanted, rows_per_part)
+        try:
+            return table_function.results(table, f"{part.file}: ", part.first)
+        except (parquet_states.RowError, StatesError):
+            raise
+        except Exception as error:
+            if table_function.known:
+                raise ValueError(f"{part.file}: {error}") from error
+            raise RuntimeError(f"{table_function.name} of {part}: {type(error).__name__}: {error}") from error
+
     seen = [(file, os.path.getsize(file), os.stat(file).st_mtime_ns) for file in files]
     job = {"function": table_function.function, "model": m, "states": seen,
            "arguments": [table_function.arguments, keep, dtype, faulty], "rows_per_part": rows_per_part}
-    _check_apart(Path(output), states)
     if threads is None:
         threads = (os.cpu_count() or 1) if table_function.known else 1
-    return _write(task, job, output, overwrite, cluster=cluster, threads=threads, retries=retries, progress=progress)
-
-
-class _StatesTask:
-    """A function of states on parts of files. ValueError if a file has not the columns that the first one has."""
-
-    def __init__(self, function: TableFunction, files: list[str], rows_per_part: int):
-        self.function, self.rows_per_part = function, rows_per_part
-        self.columns: list[str] = []
-        self.parts: list[parquet_states.Slice] = []
-        for file in files:
-            schema, parts = parquet_states.slices(file, rows_per_part)
-            try:
-                wanted = {name for names in function.columns(schema.names) for name in names}
-            except ValueError as error:
-                raise ValueError(f"{file}: {error}") from error
-            columns = [name for name in schema.names if name in wanted]
-            self.columns = self.columns or columns
-            if wanted != set(self.columns):
-                raise ValueError(f"{file}: it has the columns {', '.join(columns)}; {files[0]} has "
-                                 f"{', '.join(self.columns)}")
-            self.parts += parts
-        self.parts = self.parts or [parquet_states.Slice(files[0], 0, 0, 0, 0)]
-
-    def said(self, part: parquet_states.Slice) -> str:
-        return f"{part.file}, rows {part.first} to {part.first + part.rows - 1}"
-
-    def load(self, part: parquet_states.Slice) -> Any:
-        return parquet_states.read(part, self.columns, self.rows_per_part)
-
-    def tables(self, part: parquet_states.Slice, loaded: Any) -> Iterator[tuple[Any, int]]:
-        try:
-            yield from self.function.pieces(loaded)
-        except parquet_states.RowError as error:
-            raise error.located(f"{part.file}: ", part.first) from error.__cause__
-        except Exception as error:
-            if self.function.known:
-                raise ValueError(f"{part.file}: {error}") from error
-            raise RuntimeError(f"{self.function.name} of {self.said(part)}: {type(error).__name__}: {error}") from error
-
-
-# ----------------------------------------------------------------------------------------------------- sweeps
+    return _write(results, parts or [Part(files[0], 0, 0)], output, job, overwrite, cluster=cluster, threads=threads,
+                  retries=retries, progress=progress)
 
 
 def grid(**axes: Iterable[Any]) -> dict[str, list[Any]]:
@@ -201,71 +190,48 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     >>> torques["seed"][:3], torques["result"].shape
     (array([0, 1, 2]), (20,))
     """
-    task = _SweepTask(m, function, points, points_per_part)
-    how: dict[str, Any] = {"cluster": cluster, "threads": threads, "retries": retries, "progress": progress}
-    if output is not None:
-        job = {"function": function, "model": m, "points": task.points, "points_per_part": task.points_per_part}
-        return _write(task, job, output, overwrite, **how)
-    _at_least_one("threads", threads)
-    reports = sorted(jobs.run(task, task.parts, [None] * len(task.parts), **how))
-    table = pa.concat_tables([pa.ipc.open_file(report.table).read_all() for report in reports])
-    return {name: column.to_numpy() if column.type == pa.int64() else parquet_states.numbers(column, name)
-            for name, column in zip(table.column_names, table.columns)}
+    if not isinstance(points, Mapping):
+        raise TypeError(f"points is {points!r:.60}; expected a dict of equally many values under each name")
+    values = {name: list(of) for name, of in points.items()}
+    lengths = {name: len(of) for name, of in values.items()}
+    if len(set(lengths.values())) != 1:
+        raise ValueError(f"points: expected equally many values under each name, got {lengths}")
+    N = max(lengths.values())
+    if N == 0:
+        raise ValueError("points is empty; expected at least one value under each name")
+    size = -(-N // PARTS) if points_per_part is None else points_per_part
+    _at_least_one("points_per_part", size)
+    given = pa.table({name: _column(name, of) for name, of in values.items()})
 
-
-class _Points(NamedTuple):
-    """Consecutive points of a sweep."""
-
-    start: int
-    rows: int
-
-
-class _SweepTask:
-    """A function of points, a part of them at a time."""
-
-    def __init__(self, m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[Any]],
-                 points_per_part: int | None):
-        if not isinstance(points, Mapping):
-            raise TypeError(f"points is {points!r:.60}; expected a dict of equally many values under each name")
-        self.m, self.function = m, function
-        self.points = {name: list(values) for name, values in points.items()}
-        lengths = {name: len(values) for name, values in self.points.items()}
-        if len(set(lengths.values())) != 1:
-            raise ValueError(f"points: expected equally many values under each name, got {lengths}")
-        N = max(lengths.values())
-        if N == 0:
-            raise ValueError("points is empty; expected at least one value under each name")
-        self.points_per_part = -(-N // PARTS) if points_per_part is None else points_per_part
-        _at_least_one("points_per_part", self.points_per_part)
-        starts = range(0, N, self.points_per_part)
-        self.parts = [_Points(start, min(self.points_per_part, N - start)) for start in starts]
-        self.columns = {name: _column(name, values) for name, values in self.points.items()}
-
-    def said(self, part: _Points) -> str:
-        return f"points {part.start} to {part.start + part.rows - 1}"
-
-    def load(self, part: _Points) -> list[dict[str, Any]]:
-        return [dict(zip(self.points, values)) for values in zip(
-            *(values[part.start:part.start + part.rows] for values in self.points.values()))]
-
-    def tables(self, part: _Points, loaded: list[dict[str, Any]]) -> Iterator[tuple[Any, int]]:
-        rows: list[dict[str, Any]] = []
-        for point in loaded:
+    def results(part: Part) -> tuple[Any, int]:
+        table, rows = given.slice(part.first, part.rows), []
+        for k in range(part.first, part.first + part.rows):
+            point = {name: of[k] for name, of in values.items()}
             where = "at " + ", ".join(f"{name} = {value!r:.40}" for name, value in point.items())
             try:
-                row = self.function(self.m, **point)
+                row = function(m, **point)
             except Exception as error:
                 raise RuntimeError(f"{where}: {type(error).__name__}: {error}") from error
             rows.append({str(name): x for name, x in row.items()} if isinstance(row, Mapping) else {"result": row})
             if list(rows[-1]) != list(rows[0]):
                 raise ValueError(f"{where} the function returns {', '.join(rows[-1]) or 'nothing'}; before it was "
                                  f"{', '.join(rows[0]) or 'nothing'}")
-        columns = {name: column.slice(part.start, part.rows) for name, column in self.columns.items()}
         for name in rows[0]:
-            if name in columns:
+            if name in values:
                 raise ValueError(f'the function returns "{name}", which is a name of the points as well')
-            columns[name] = _column(name, [_float64(row[name]) for row in rows])
-        yield pa.table(columns), 0
+            table = table.append_column(name, _column(name, [_float64(row[name]) for row in rows]))
+        return table, 0
+
+    parts = [Part("", first, min(size, N - first)) for first in range(0, N, size)]
+    how: dict[str, Any] = {"cluster": cluster, "threads": threads, "retries": retries, "progress": progress}
+    if output is not None:
+        job = {"function": function, "model": m, "points": values, "points_per_part": size}
+        return _write(results, parts, output, job, overwrite, **how)
+    _at_least_one("threads", threads)
+    reports = sorted(jobs.run(results, parts, [None] * len(parts), **how))
+    whole = pa.concat_tables([report.table for report in reports])
+    return {name: column.to_numpy() if column.type == pa.int64() else parquet_states.numbers(column, name)
+            for name, column in zip(whole.column_names, whole.columns)}
 
 
 def _float64(x: Any) -> Any:
@@ -286,30 +252,20 @@ def _column(name: str, values: list[Any]) -> Any:
     return parquet_states.as_column(name, array, len(values))
 
 
-# ------------------------------------------------------------------------------------------------------- both
-
-
 def _at_least_one(name: str, value: int) -> None:
     if value < 1:
         raise ValueError(f"{name} is {value}; it must be at least 1")
 
 
-def _write(task: Any, job: Mapping[str, Any], output: str | os.PathLike[str], overwrite: bool, **how: Any) -> Written:
+def _write(results: jobs.Function, parts: list[Part], output: str | os.PathLike[str], job: Mapping[str, Any],
+           overwrite: bool, **how: Any) -> Written:
     _at_least_one("threads", how["threads"])
     try:
-        reports = jobs.Output(output, job, len(task.parts), overwrite).write(task, task.parts, **how)
+        reports = jobs.write(results, parts, output, job, overwrite, **how)
     finally:
-        vars(parquet_states.reading).clear()
-    return Written(sum(part.rows for part in task.parts), len(task.parts), sum(report.computed for report in reports),
+        parquet_states.reading.clear()
+    return Written(sum(part.rows for part in parts), len(parts), sum(report.computed for report in reports),
                    sum(report.faulty for report in reports))
-
-
-def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> None:
-    """ValueError if output and states contain each other: a continued job would read its output as states."""
-    for one in [states] if isinstance(states, (str, os.PathLike)) else states:
-        folder, target = Path(one).resolve(), output.resolve()
-        if folder == target or folder in target.parents or target in folder.parents:
-            raise ValueError(f"{output} and the states {one} contain each other; choose another folder")
 
 
 signatures.explain_calls(__name__)

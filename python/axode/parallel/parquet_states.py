@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 import axode
 
@@ -30,56 +29,39 @@ except ImportError as error:
 
 __all__: list[str] = []
 
-Array = NDArray[Any]
-#: The largest number of states that are read, computed and written at once.
-ROWS = 65536
-#: The largest number of bytes of results that are computed at once, unless one state has more.
-BYTES = 1 << 26
 #: Parameters with a number for each velocity.
 OF_VELOCITIES = {"v", "a", "tau", "p", "dq", "dv", "da", "dtau"}
 #: Parameters that have a value for each state.
 OF_STATES = OF_VELOCITIES | {"q", "w", "V", "Pi", "rates", "directions", "more", "multipliers", "w_q", "w_v"}
-#: The names of those results that are themselves part of a state.
-RESULT_NAMES = {"inverse_dynamics": "tau", "forward_dynamics": "a"}
 
 
-class RowError(Exception):
+class RowError(ValueError):
     """The number of a row that is refused, why, and the StatesError that refuses it, if there is one."""
 
-    def located(self, where: str = "", first: int = 0) -> Exception:
-        """The error to raise, if the table begins at row `first`."""
-        row, why, *cause = self.args
-        text = f"{where}row {first + row}: {why}"
-        return type(cause[0])(text, [first + row], cause[0].result) if cause else ValueError(text)
 
-
-# ----------------------------------------------------------------------------------------- columns and arrays
-
-
-def numbers(column: Any, name: str, expected: int | None = None, taker: str = "") -> Any:
-    """The numbers in a column of a table, (N, ...), NaN where it is null. If the `taker` expects no lists of a length,
-    a column without numbers is returned as it is."""
+def numbers(column: Any, name: str, width: int | None = None, taker: str = "") -> Any:
+    """The numbers in a column of a table, (N, ...), NaN where it is null: lists of `width` numbers, which the `taker`
+    expects, or single numbers if the width is 0. Without a width, a column without numbers is returned as it is."""
     column = column.combine_chunks()
     shape: tuple[int, ...] = ()
-    if pa.types.is_null(column.type):  # pandas writes columns without rows or values so
-        column = column.cast(pa.list_(pa.float64()) if expected else pa.float64())
-    if isinstance(column.type, pa.FixedShapeTensorType):
-        shape, column = tuple(column.type.shape), column.storage
-    elif hasattr(column.type, "value_type") and not pa.types.is_dictionary(column.type):
+    if pa.types.is_null(kind := column.type):  # pandas writes columns without rows or values so
+        column = column.cast(pa.list_(pa.float64()) if width else pa.float64())
+    if isinstance(kind, pa.FixedShapeTensorType):
+        shape, column = tuple(kind.shape), column.storage
+    elif hasattr(column.type, "value_type") and not pa.types.is_dictionary(kind):
         lengths = np.asarray(pc.list_value_length(column).fill_null(-1))
-        shape = (expected or getattr(column.type, "list_size", lengths.max(initial=0)),)
+        shape = (width or getattr(kind, "list_size", lengths.max(initial=0)),)
         if (wrong := (lengths >= 0) & (lengths != shape[0])).any():
-            row = int(np.argmax(wrong))
-            rule = f"{taker} takes" if expected else "in other rows it has"
+            row, rule = int(np.argmax(wrong)), f"{taker} takes" if width else "in other rows it has"
             raise RowError(row, f'column "{name}" has {lengths[row]} numbers; {rule} {shape[0]}')
-    if shape and column.null_count:
-        column = pc.coalesce(column, pa.scalar([None] * int(np.prod(shape)), column.type))
-    values = pc.list_flatten(column) if shape else column
-    is_number = pa.types.is_floating(values.type) or pa.types.is_integer(values.type)
-    if (shape or expected) and not (shape and is_number):
-        raise ValueError(f'column "{name}" holds {column.type}; expected lists of numbers')
-    flat = values.to_numpy(zero_copy_only=False)
-    return flat.astype(np.float64, copy=False).reshape(len(column), *shape) if is_number else flat
+    if shape:
+        nulls = pa.scalar([None] * int(np.prod(shape)), column.type)
+        column = pc.list_flatten(pc.coalesce(column, nulls) if column.null_count else column)
+    is_number = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
+    if width is not None and not (is_number and bool(shape) == bool(width)):
+        raise ValueError(f'column "{name}" holds {kind}; expected {"lists of " if width else ""}numbers')
+    flat = column.to_numpy(zero_copy_only=False)
+    return flat.astype(np.float64, copy=False).reshape(-1, *shape) if is_number else flat
 
 
 def headings(m: Model, what: str) -> list[str]:
@@ -88,34 +70,17 @@ def headings(m: Model, what: str) -> list[str]:
     return [f"{what} {name}" for name in names]
 
 
-def columns_of(m: Model, what: str, there: Sequence[str]) -> list[str]:
-    """The column of a part of a state, or its columns as `axode simulate` writes them. ValueError if one is missing."""
-    wanted = [what] if what in there else headings(m, what)
-    missing = [name for name in wanted if name not in there]
-    if len(missing) == len(wanted):
-        others = f', nor columns "{wanted[0]}", ..., "{wanted[-1]}"' if len(wanted) > 1 else ""
-        raise ValueError(f'there is no column "{what}"{others}; there are {", ".join(there) or "none"}')
-    if missing:
-        raise ValueError(f'there is no column "{missing[0]}"')
-    return wanted
-
-
 def as_column(name: str, x: Any, rows: int, dtype: str = "float64") -> Any:
     """Numbers (N,) as they are, (N, k) as lists of k, and (N, k, l, ...) as tensors (lists to other readers)."""
     array = np.asarray(x)
+    shape = array.shape[1:]
     if array.shape[:1] != (rows,):
         raise ValueError(f'"{name}" has shape {array.shape}; expected ({rows}, ...), an entry for each state')
-    if np.issubdtype(array.dtype, np.floating):
-        array = array.astype(dtype, copy=False)
-    if array.ndim == 1:
-        return pa.array(array)
-    shape = array.shape[1:]
     if 0 in shape:
         raise ValueError(f'"{name}" has no numbers: its shape is {shape} for each state')
-    lists = pa.FixedSizeListArray.from_arrays(pa.array(array.ravel()), int(np.prod(shape)))
-    if array.ndim == 2:
-        return lists
-    return pa.ExtensionArray.from_storage(pa.fixed_shape_tensor(lists.type.value_type, shape), lists)
+    values = pa.array(array.ravel().astype(dtype, copy=False) if array.dtype.kind == "f" else array.ravel())
+    lists = pa.FixedSizeListArray.from_arrays(values, int(np.prod(shape))) if shape else values
+    return lists if len(shape) < 2 else pa.ExtensionArray.from_storage(pa.fixed_shape_tensor(values.type, shape), lists)
 
 
 def named_results(result: Any, name: str) -> dict[str, Any]:
@@ -127,26 +92,12 @@ def named_results(result: Any, name: str) -> dict[str, Any]:
     return {name: result}
 
 
-# ---------------------------------------------------------------------------------------- functions of states
-
-
 def functions() -> list[str]:
     """The names of the functions of this package that take many states."""
     there = {name: getattr(axode, name) for name in axode.__all__}
     parameters = {name: list(inspect.signature(function).parameters) for name, function in there.items()
                   if callable(function) and not inspect.isclass(function)}
     return [name for name, names in parameters.items() if names[:2] == ["m", "q"] and "threads" in names]
-
-
-def _known_name(function: str | Callable[..., Any]) -> str | None:
-    """The name of a function of this package; KeyError with the nearest one for other names."""
-    known = functions()
-    if not isinstance(function, str):
-        return next((name for name in known if getattr(axode, name) is function), None)
-    if function in known:
-        return function
-    near = [name for name in (name_here(function), *difflib.get_close_matches(function, known, n=1)) if name in known]
-    raise KeyError(f'there is no function of states "{function}"' + (f'; did you mean "{near[0]}"?' if near else ""))
 
 
 class TableFunction:
@@ -174,82 +125,89 @@ class TableFunction:
         if m.nq == 0:
             raise ValueError(f'model "{m.name}" has no coordinates; there are no states of it')
         self.m, self.dtype, self.faulty, self.arguments = m, dtype, faulty, dict(arguments or {})
-        self.known = _known_name(function)
+        self.keep = keep if keep is None or keep == "all" else list(keep)
+        known = functions()
+        if isinstance(function, str) and function not in known:
+            near = [name for name in (name_here(function), *difflib.get_close_matches(function, known)) if name in known]
+            raise KeyError(f'there is no function of states "{function}"'
+                           + (f'; did you mean "{near[0]}"?' if near else ""))
+        self.known = next((name for name in known if function in (name, getattr(axode, name))), None)
         self.function = self.known or function
         self.name = self.known or str(getattr(function, "__name__", "result"))
-        self.takes = self._parameters()
-        self.keep = keep if keep is None or keep == "all" else list(keep)
+        # A column is for each parameter without a default and without an argument.
+        parameters = [x for x in inspect.signature(self._callee).parameters.values() if x.name != "threads"][1:]
+        self.takes = [x.name for x in parameters if x.default is x.empty and x.name not in self.arguments
+                      and x.kind in (x.POSITIONAL_OR_KEYWORD, x.KEYWORD_ONLY)]
+        if wrong := signatures.wrong_names(self.name, parameters, [], {**self.arguments, **dict.fromkeys(self.takes)}):
+            raise TypeError(wrong)
+        if self.known and (missing := [name for name in self.takes if name not in OF_STATES]):
+            raise TypeError(f"{self.name} needs an argument {missing[0]!r}")
+        #: The bytes of the results of a state, if they are known before they are computed.
+        self.row_bytes = 1
         if self.known and set(self.takes) <= OF_VELOCITIES | {"q"} and not self.known.startswith("rollout"):
             # Refuses wrong arguments.
-            self._call({what: np.empty((0, len(headings(m, what)))) for what in self.takes})
+            none = self._call({what: np.empty((0, len(headings(m, what)))) for what in self.takes})
+            self.row_bytes = sum(8 * int(np.prod(np.shape(x)[1:])) for x in none.values())
 
     @property
     def _callee(self) -> Any:
         return getattr(axode, self.known) if self.known else self.function
 
     def _call(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        return named_results(self._callee(self.m, **given, **self.arguments), RESULT_NAMES.get(self.name, self.name))
+        part_of_a_state = {"inverse_dynamics": "tau", "forward_dynamics": "a"}
+        return named_results(self._callee(self.m, **given, **self.arguments), part_of_a_state.get(self.name, self.name))
 
-    def _parameters(self) -> list[str]:
-        """The parameters that a column is for: those without a default and without an argument."""
-        parameters = [x for x in inspect.signature(self._callee).parameters.values() if x.name != "threads"][1:]
-        takes = [x.name for x in parameters if x.default is x.empty and x.name not in self.arguments
-                 and x.kind in (x.POSITIONAL_OR_KEYWORD, x.KEYWORD_ONLY)]
-        if wrong := signatures.wrong_names(self.name, parameters, [], {**self.arguments, **dict.fromkeys(takes)}):
-            raise TypeError(wrong)
-        if self.known and (missing := [name for name in takes if name not in OF_STATES]):
-            raise TypeError(f"{self.name} needs an argument {missing[0]!r}")
-        return takes
-
-    def columns(self, there: Sequence[str]) -> tuple[list[str], list[str]]:
-        """The columns that the function takes, and those that are carried over. ValueError if one is missing."""
-        taken = [name for what in self.takes for name in columns_of(self.m, what, there)]
-        if self.keep is None:
-            parts = {*OF_STATES, *(name for what in OF_STATES for name in headings(self.m, what))}
-            return taken, [name for name in there if name not in parts]
-        kept = list(there if self.keep == "all" else self.keep)
-        for name in kept:
-            if name not in there:
-                raise ValueError(f'there is no column "{name}" to keep; there are {", ".join(there)}')
+    def columns(self, there: Sequence[str]) -> tuple[dict[str, list[str]], list[str]]:
+        """The column of each part of a state that the function takes, or its columns as `axode simulate` writes them;
+        and the columns that are carried over. ValueError if one is missing."""
+        taken = {}
+        for what in self.takes:
+            each = [what] if what in there else headings(self.m, what) or [what]
+            taken[what] = each
+            missing = [name for name in each if name not in there]
+            if missing == each:
+                others = f', nor columns "{each[0]}", ..., "{each[-1]}"' if each != [what] else ""
+                raise ValueError(f'there is no column "{what}"{others}; there are {", ".join(there) or "none"}')
+            if missing:
+                raise ValueError(f'there is no column "{missing[0]}"')
+        parts = {*OF_STATES, *(name for what in OF_STATES for name in headings(self.m, what))}
+        kept = [name for name in there if name not in parts] if self.keep is None else self.keep
+        kept = list(there) if kept == "all" else list(kept)
+        if unknown := [name for name in kept if name not in there]:
+            raise ValueError(f'there is no column "{unknown[0]}" to keep; there are {", ".join(there)}')
         return taken, kept
 
     def __call__(self, table: Any) -> Any:
-        try:
-            return pa.concat_tables([piece for piece, _ in self.pieces(table)])
-        except RowError as error:
-            raise error.located() from error.__cause__
+        return self.results(table)[0]
 
-    def pieces(self, table: Any) -> Iterator[tuple[Any, int]]:
-        """Yields consecutive tables of results of limited size, each with its number of states without a result."""
-        kept = self.columns(table.column_names)[1]
-        given, bad = self._states(table)
-        step = max(len(bad), 1)
-        if self.known and step > 1:
-            one, _ = self._results(given, bad, slice(1))
-            step = max(1, min(step, BYTES // max(sum(np.asarray(x).nbytes for x in one.values()), 1)))
-        for start in range(0, max(len(bad), 1), step):
-            results, without = self._results(given, bad, slice(start, start + step))
-            columns = {name: table.column(name).slice(start, step) for name in kept}
-            for name, x in results.items():
+    def results(self, table: Any, where: str = "", first: int = 0) -> tuple[Any, int]:
+        """The results of a table, and how many rows have none. A row that is refused is named by `where` and by its
+        number, which is `first` for the first row."""
+        taken, kept = self.columns(table.column_names)
+        columns = {name: table.column(name) for name in kept}
+        try:
+            given, bad = self._states(table, taken)
+            for name, x in self._filled(given, bad).items():
                 if name in columns:
                     raise ValueError(f'the result "{name}" and a column that is kept have the same name; '
                                      "choose the columns by `keep`")
-                columns[name] = as_column(name, x, len(without), self.dtype)
-            yield pa.table(columns), int(without.sum())
+                columns[name] = as_column(name, x, len(bad), self.dtype)
+        except RowError as error:
+            row, why, *cause = error.args
+            text = f"{where}row {first + row}: {why}"
+            raise (type(cause[0])(text, [first + row], cause[0].result) if cause else RowError(text)) from error.__cause__
+        return pa.table(columns), int(bad.sum())
 
-    def _states(self, table: Any) -> tuple[dict[str, Array], Array]:
+    def _states(self, table: Any, taken: Mapping[str, list[str]]) -> tuple[dict[str, Any], Any]:
         """The arguments of the function, and which rows have a null, NaN or infinity."""
         given, bad = {}, np.zeros(table.num_rows, dtype=bool)
-        for what in self.takes:
-            names, expected = columns_of(self.m, what, table.column_names), len(headings(self.m, what)) or None
+        for what, names in taken.items():
+            width = len(headings(self.m, what)) or None
             if names == [what]:
-                x = numbers(table.column(what), what, expected, f'model "{self.m.name}"')
+                x = numbers(table.column(what), what, width, f'model "{self.m.name}"')
             else:
-                columns = [numbers(table.column(name), name) for name in names]
-                for name, x in zip(names, columns):
-                    if x.ndim != 1 or x.dtype != np.float64:
-                        raise ValueError(f'column "{name}" holds {table.column(name).type}; expected numbers')
-                x = np.stack(columns, axis=1)
+                x = np.stack([numbers(table.column(name), name, 0) for name in names], axis=1)
+            given[what] = x
             wrong = np.any([np.asarray(table.column(name).is_null()) for name in names], axis=0)
             if x.dtype == np.float64:
                 wrong |= ~np.isfinite(x).all(axis=tuple(range(1, x.ndim)))
@@ -258,45 +216,42 @@ class TableFunction:
                 entries = np.ravel(np.array([table.column(name)[row].as_py() for name in names], dtype=object))
                 value = next(y for y in entries if y is None or not np.isfinite(y))
                 raise RowError(row, f"{what} has {'null' if value is None else value} in it; expected finite numbers")
-            given[what], bad = x, bad | wrong
+            bad |= wrong
         return given, bad
 
-    def _results(self, given: dict[str, Array], bad: Array, rows: slice) -> tuple[dict[str, Any], Array]:
-        """Results of some rows, and which of them have none: these are NaN, or the first of them is a RowError."""
-        without = bad[rows].copy()
-        good = np.flatnonzero(~without)
-        first = rows.start or 0
+    def _filled(self, given: dict[str, Any], bad: Any) -> dict[str, Any]:
+        """The results, NaN for rows that are `bad` or that the function refuses, which become bad."""
+        good = np.flatnonzero(~bad)
         try:
-            some = self._call({name: x[rows][good] if without.any() else x[rows] for name, x in given.items()})
+            some = self._call({name: x[good] for name, x in given.items()} if bad.any() else given)
         except StatesError as error:
             if self.faulty == "refuse":
                 why = re.sub(r"^states? [^:]*: ", "", str(error))
-                raise RowError(first + error.states[0], why, error) from error
-            bad[first + good[error.states]] = True
-            return self._results(given, bad, rows)
+                raise RowError(int(good[error.states[0]]), why, error) from error
+            bad[good[error.states]] = True
+            return self._filled(given, bad)
         except ValueError as error:
             if self.known and (at := re.match(r"state (\d+): ", str(error))):
-                raise RowError(first + int(good[int(at[1])]), str(error)[at.end():]) from error
+                raise RowError(int(good[int(at[1])]), str(error)[at.end():]) from error
             raise
-        if not without.any():
-            return some, without
-        results = {name: np.full((len(without), *np.shape(x)[1:]), np.nan) for name, x in some.items()}
-        for name, x in some.items():
-            results[name][good] = x
-        return results, without
+        if bad.any():
+            for name, x in some.items():
+                some[name] = np.full((len(bad), *np.shape(x)[1:]), np.nan)
+                some[name][good] = x
+        return some
 
 
-# --------------------------------------------------------------------------------------------- files by parts
-
-
-class Slice(NamedTuple):
-    """Rows of a row group of a file."""
+class Part(NamedTuple):
+    """Rows of a row group of a file, or, without a file, points of a sweep."""
 
     file: str
-    group: int
-    start: int  # index within the row group
     first: int  # index in the file
     rows: int
+    group: int = 0
+    start: int = 0  # index in the row group
+
+    def __str__(self) -> str:
+        return f"{f'{self.file}, rows' if self.file else 'points'} {self.first} to {self.first + self.rows - 1}"
 
 
 def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[str]:
@@ -310,8 +265,7 @@ def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) 
     if not path.exists():
         raise FileNotFoundError(f"{path}: there is no such file or folder")
     below = sorted(path.rglob("*.parquet")) if path.is_dir() else [path]
-    found = [str(file) for file in below
-             if not any(part.startswith((".", "_")) for part in file.relative_to(path).parts)]
+    found = [str(file) for file in below if not any(word[0] in "._" for word in file.relative_to(path).parts)]
     if not found:
         raise FileNotFoundError(f"{path}: there are no files *.parquet in this folder")
     return found
@@ -328,37 +282,37 @@ def _unreadable_is_named(file: str) -> Iterator[None]:
         raise ValueError(f"{file}: it cannot be read as Parquet: {why}") from error
 
 
-def slices(file: str, rows_per_part: int) -> tuple[Any, list[Slice]]:
+def slices(file: str, rows_per_part: int) -> tuple[Any, list[Part]]:
     """Returns the schema of a file and the row ranges of its parts."""
     with _unreadable_is_named(file):
         opened = pq.ParquetFile(file)
     parts, first = [], 0
     for group in range(opened.num_row_groups):
         rows = opened.metadata.row_group(group).num_rows
-        parts += [Slice(file, group, start, first + start, min(rows_per_part, rows - start))
+        parts += [Part(file, first + start, min(rows_per_part, rows - start), group, start)
                   for start in range(0, rows, rows_per_part)]
         first += rows
     return opened.schema_arrow, parts
 
 
-#: The row group that this thread reads: its key, its remaining batches, and the number of their first row.
-reading = threading.local()
+#: The row group that is being read: for its key, the file, the remaining batches and the number of their first row.
+reading: dict[Any, tuple[Any, Iterator[Any], int]] = {}
+_one_reads = threading.Lock()
 
 
-def read(part: Slice, columns: list[str], rows_per_part: int) -> Any:
-    """The rows of a part. A row group whose parts a thread reads in their order is read once."""
-    with _unreadable_is_named(part.file):
-        key = (part.file, os.stat(part.file).st_mtime_ns, part.group, columns, rows_per_part)
-        if vars(reading).pop("key", None) != key or reading.row > part.start:  # without a key after an error
-            opened = pq.ParquetFile(part.file, buffer_size=1 << 22)
-            groups = [part.group] if part.rows else []
-            reading.batches, reading.row = opened.iter_batches(rows_per_part, groups, columns), 0
-            reading.empty = opened.schema_arrow.empty_table()
-        found = []
-        while reading.row < part.start + part.rows:
-            batch = next(reading.batches)  # does not cross the end of a part
-            if reading.row >= part.start:
-                found.append(pa.Table.from_batches([batch]))
-            reading.row += batch.num_rows
-        reading.key = key
-        return pa.concat_tables([table.select(columns) for table in (reading.empty, *found)])
+def read(part: Part, columns: Sequence[str], rows_per_part: int) -> Any:
+    """The rows of a part. A row group whose parts a process reads in their order is read once."""
+    key = (part.file, os.stat(part.file).st_mtime_ns, part.group, *columns, rows_per_part)
+    with _one_reads, _unreadable_is_named(part.file):
+        opened, batches, row = reading.pop(key, (None, iter(()), 0))
+        if opened is None or row > part.start:
+            opened, row = pq.ParquetFile(part.file, buffer_size=1 << 22), 0
+            batches = opened.iter_batches(rows_per_part, [part.group] if part.rows else [], columns)
+        found = [opened.schema_arrow.empty_table()]
+        while row < part.start + part.rows:
+            batch = next(batches)  # does not cross the end of a part
+            found += [pa.Table.from_batches([batch])] if row >= part.start else []
+            row += batch.num_rows
+        reading.clear()
+        reading[key] = opened, batches, row
+        return pa.concat_tables([table.select(columns) for table in found])

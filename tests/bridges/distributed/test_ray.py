@@ -5,7 +5,6 @@ import os
 import signal
 import time
 from pathlib import Path
-from typing import NamedTuple
 
 import axode
 import numpy as np
@@ -13,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from axode import distributed
-from axode.parallel import jobs
+from axode.parallel import jobs, parquet_states
 from mechanisms import MECHANISMS
 from parquet_files import read, same, state_columns, states, write
 
@@ -89,29 +88,21 @@ def test_nothing_is_lost_and_nothing_twice_where_a_worker_is_killed(output, tmp_
 
 def test_a_worker_that_ends_between_writing_and_saying_so_writes_once(tmp_path):
     """Ray starts the part again, which finds that its file exists."""
-    class Rows(NamedTuple):
-        rows: int
+    def ending(part):
+        """Its worker ends as soon as the file of the part exists."""
+        with (tmp_path / "computed").open("a") as stream:
+            stream.write("once\n")
+        replace = Path.replace
 
-    class Ending:
-        """A task whose worker ends as soon as the file of the task exists."""
+        def replace_and_end(self, target):
+            replace(self, target)
+            os.kill(os.getpid(), signal.SIGKILL)
 
-        def load(self, part):
-            return part
-
-        def tables(self, part, loaded):
-            with (tmp_path / "computed").open("a") as stream:
-                stream.write("once\n")
-            yield pa.table({"x": np.arange(3.0)}), 0
-            replace = Path.replace
-
-            def replace_and_end(self, target):
-                replace(self, target)
-                os.kill(os.getpid(), signal.SIGKILL)
-
-            Path.replace = replace_and_end
+        Path.replace = replace_and_end
+        return pa.table({"x": np.arange(3.0)}), 0
 
     path = tmp_path / "part-000000.parquet"
-    report, = jobs.run(Ending(), [Rows(3)], [path], cluster=None, threads=1, retries=3, progress=False)
+    report, = jobs.run(ending, [parquet_states.Part("", 0, 3)], [path], cluster=None, threads=1, retries=3, progress=False)
     assert (report.number, report.computed, report.error) == (0, False, None)
     assert (tmp_path / "computed").read_text() == "once\n"
     assert pq.read_table(path).column("x").to_pylist() == [0.0, 1.0, 2.0]
