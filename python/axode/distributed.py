@@ -9,8 +9,7 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
-from typing import Any, Literal, NamedTuple, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from .parallel import jobs, parquet_states
 from .support import signatures
 from ._axode import Model
 from .errors import StatesError
-from .parallel.jobs import Progress
+from .parallel.jobs import Progress, Written
 from .parallel.parquet_states import Part, TableFunction
 
 import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
@@ -28,23 +27,8 @@ __all__ = ["TableFunction", "Written", "grid", "map_states", "sweep"]
 
 #: Parts of a sweep, about.
 PARTS = 256
-#: The largest number of states in a part, and of bytes of results whose size is known before they are computed.
+#: The largest number of states in a part, and of bytes of their results.
 ROWS, BYTES = 1 << 16, 1 << 26
-
-
-class Written(NamedTuple):
-    """Summary of the files that `map_states` or `sweep` wrote: the number of `rows` and of `parts`, the number of parts
-    that this call `computed` (an interrupted call before may have computed the others), and the number of `faulty`
-    rows, which are NaN, among them.
-
-    >>> axode.distributed.Written(rows=10, parts=1, computed=1, faulty=0).rows
-    10
-    """
-
-    rows: int
-    parts: int
-    computed: int
-    faulty: int
 
 
 def map_states(m: Model, function: str | Callable[..., Any],
@@ -55,38 +39,31 @@ def map_states(m: Model, function: str | Callable[..., Any],
                rows_per_part: int | None = None, progress: Progress = False) -> Written:
     """Computes a function of the states in Parquet files and writes Parquet files with the same rows in the same order.
 
-    function: name of a function of this package that takes N states, such as "inverse_dynamics"; or a function of yours,
-        (m, q, v, ...), whose parameters without a default are names of columns, and which returns (N, ...) or a dict of
-        such arrays.
+    function: name of a function of this package that takes N states, such as "inverse_dynamics"; or a function of
+        yours, (m, q, v, ...), whose parameters without a default are names of columns, and which returns (N, ...) or
+        a dict of such arrays.
     states: a file, a list of files or a folder of files. A column `q` holds lists of nq numbers, and `v`, `a` and
-        `tau` hold lists of nv numbers; or each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate
-        --output` names them. The numbers may have any real type.
-    output: a file if the name ends in .parquet, otherwise a folder of files. Their columns are those of `keep` and
-        the result. The result is a column of numbers, of lists or, for several axes, of tensors (other readers see
-        lists). The result of inverse_dynamics is called `tau`, that of forward_dynamics `a`; others have the name of
-        the function.
+        `tau` hold lists of nv numbers of any real type; or each coordinate has a column, `q A1`, `q A2`, ...
+    output: a file if the name ends in .parquet, otherwise a folder of files. The result is a column of numbers, lists
+        or tensors: `tau` of inverse_dynamics, `a` of forward_dynamics, and otherwise named like the function.
     arguments: further arguments of the function, such as {"frame": "flange"}, which are the same for all states.
-    keep: the columns to carry over, or "all"; if left out, all columns that are not part of a state, such as a time
-        or an index.
+    keep: the columns to carry over, or "all"; if left out, all columns that are not part of a state.
     dtype: type of the results in the files; they are computed in float64.
-    faulty: a row with a null, NaN or infinity, a singular mass matrix or an overflow. By default it ends the work
-        with an error that names the file and the row; with "nan", the results of this row are NaN.
-    overwrite: whether existing output is removed and everything is computed again. Otherwise a job that was
-        interrupted is continued: each part is a file that appears only when it is complete, and only the missing
-        parts are computed. The job is the same if the model, the states, the arguments, and the function with the
-        values to which it is bound are the same. Global variables and the functions that it calls are not compared. A
-        function with a value that cannot be compared, such as an open file, is not continued.
+    faulty: whether a row that is not finite or has no result is an error, which names the file and the row, or has NaN.
+    overwrite: whether existing output is removed and everything is computed again. Otherwise an interrupted job is
+        continued: only the missing parts are computed. A job is the same if the model, the states, the arguments, and
+        the function with the values to which it is bound are the same, see docs/distributed.md.
     cluster: "local" starts Ray on the cores of this machine, and an address connects to a cluster; both end with the
         call. If it is left out, the cluster to which this program is connected is used, or that of $RAY_ADDRESS, and
         otherwise this process. The workers of a cluster must see the files under the same names.
     threads: number of threads of this process; if left out, all cores, or one for a function of yours.
     retries: how often Ray computes a part again if its worker was lost.
-    rows_per_part: states in a part; if left out, 65,536, or fewer if their results would exceed 64 MiB.
+    rows_per_part: states in a part; if left out, 65,536, or fewer if their results exceed 64 MiB. Each core works on
+        one part at a time, so that memory is bounded.
     progress: whether a bar is shown, which needs tqdm; or a function (rows done, rows).
 
-    Memory is bounded: each core works on one part at a time. ValueError for wrong contents of the files, KeyError for
-    an unknown function, TypeError for wrong arguments of the function, FileExistsError if the output exists already.
-    Ctrl-C ends the call.
+    ValueError for wrong contents of the files, KeyError for an unknown function, TypeError for wrong arguments of the
+    function, FileExistsError if the output exists already.
 
     >>> import pyarrow as pa, pyarrow.parquet as pq, tempfile
     >>> folder = tempfile.mkdtemp()
@@ -94,18 +71,14 @@ def map_states(m: Model, function: str | Callable[..., Any],
     >>> pq.write_table(pa.table({"q": q, "v": q, "a": q}), folder + "/states.parquet")
     >>> axode.distributed.map_states(arm, "inverse_dynamics", folder + "/states.parquet", folder + "/tau.parquet").rows
     1000
-    >>> pq.read_table(folder + "/tau.parquet").column_names
-    ['tau']
     """
     table_function = TableFunction(m, function, arguments, keep=keep, dtype=dtype, faulty=faulty)
-    if rows_per_part is None:
-        rows_per_part = max(1, min(ROWS, BYTES // max(1, table_function.row_bytes)))
-    _at_least_one("rows_per_part", rows_per_part)
-    files = parquet_states.files_in(states)
+    most = _at_least_one("rows_per_part", rows_per_part, min(ROWS, BYTES // (table_function.row_bytes or 1)))
+    files = parquet_states.files_in(states, output)
     wanted: list[str] = []
     parts: list[Part] = []
     for file in files:
-        schema, found = parquet_states.slices(file, rows_per_part)
+        schema, found = parquet_states.slices(file, most)
         try:
             taken, kept = table_function.columns(schema.names)
         except ValueError as error:
@@ -115,13 +88,9 @@ def map_states(m: Model, function: str | Callable[..., Any],
         if {*columns} != {*wanted}:
             raise ValueError(f"{file}: it has the columns {', '.join(columns)}; {files[0]} has {', '.join(wanted)}")
         parts += found
-    for one in [states] if isinstance(states, (str, os.PathLike)) else states:
-        folder, target = Path(one).resolve(), Path(output).resolve()
-        if folder == target or folder in target.parents or target in folder.parents:
-            raise ValueError(f"{output} and the states {one} contain each other; choose another folder")
 
     def results(part: Part) -> tuple[Any, int]:
-        table = parquet_states.read(part, wanted, rows_per_part)
+        table = parquet_states.read(part, wanted, most)
         try:
             return table_function.results(table, f"{part.file}: ", part.first)
         except (parquet_states.RowError, StatesError):
@@ -131,13 +100,13 @@ def map_states(m: Model, function: str | Callable[..., Any],
                 raise ValueError(f"{part.file}: {error}") from error
             raise RuntimeError(f"{table_function.name} of {part}: {type(error).__name__}: {error}") from error
 
-    seen = [(file, os.path.getsize(file), os.stat(file).st_mtime_ns) for file in files]
-    job = {"function": table_function.function, "model": m, "states": seen,
-           "arguments": [table_function.arguments, keep, dtype, faulty], "rows_per_part": rows_per_part}
+    job = {"function": table_function.function, "model": m,
+           "states": [(file, os.path.getsize(file), os.stat(file).st_mtime_ns) for file in files],
+           "arguments": [table_function.arguments, keep, dtype, faulty], "rows_per_part": most}
     if threads is None:
         threads = (os.cpu_count() or 1) if table_function.known else 1
-    return _write(results, parts or [Part(files[0], 0, 0)], output, job, overwrite, cluster=cluster, threads=threads,
-                  retries=retries, progress=progress)
+    return jobs.write(results, parts or [Part(files[0], 0, 0)], output, job, overwrite, cluster=cluster,
+                      threads=threads, retries=retries, progress=progress)
 
 
 def grid(**axes: Iterable[Any]) -> dict[str, list[Any]]:
@@ -170,8 +139,9 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     point.
 
     function: receives m, a model or any other object, and the numbers of a point under their names. It returns a
-        number, or a dict of numbers, words and arrays with the same keys for every point. A single number is called
-        `result`.
+        number, called `result`, or a dict of numbers, words and arrays with the same keys for every point. Numbers
+        become float64. Draw random numbers from a seed only, `np.random.default_rng(seed)`; then results do not
+        depend on the worker that computes a point.
     points: a dict with the same number of values for each name, such as `grid(...)` or {"seed": range(1000)}.
     output: a Parquet file or folder as in `map_states`, which is continued in the same way. If left out, the columns
         are returned as arrays.
@@ -180,8 +150,7 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     points_per_part: points that a worker computes before it writes them; if left out, there are 256 parts.
     overwrite, cluster, retries, progress: as in `map_states`.
 
-    Draw random numbers from the seed only, `np.random.default_rng(seed)`; then results do not depend on the worker
-    that computes a point. Numbers are float64. RuntimeError, with the point, if the function fails.
+    RuntimeError, with the point, if the function fails.
 
     >>> def holding_torque(m, seed):
     ...     drawn = m.parameters * np.random.default_rng(seed).normal(1, 0.01, m.parameters.shape)
@@ -194,13 +163,11 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
         raise TypeError(f"points is {points!r:.60}; expected a dict of equally many values under each name")
     values = {name: list(of) for name, of in points.items()}
     lengths = {name: len(of) for name, of in values.items()}
-    if len(set(lengths.values())) != 1:
+    if len({*lengths.values()}) != 1:
         raise ValueError(f"points: expected equally many values under each name, got {lengths}")
-    N = max(lengths.values())
-    if N == 0:
+    if (N := max(lengths.values())) == 0:
         raise ValueError("points is empty; expected at least one value under each name")
-    size = -(-N // PARTS) if points_per_part is None else points_per_part
-    _at_least_one("points_per_part", size)
+    most = _at_least_one("points_per_part", points_per_part, -(-N // PARTS))
     given = pa.table({name: _column(name, of) for name, of in values.items()})
 
     def results(part: Part) -> tuple[Any, int]:
@@ -219,27 +186,28 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
         for name in rows[0]:
             if name in values:
                 raise ValueError(f'the function returns "{name}", which is a name of the points as well')
-            table = table.append_column(name, _column(name, [_float64(row[name]) for row in rows]))
+            table = table.append_column(name, _column(name, [row[name] for row in rows], float))
         return table, 0
 
-    parts = [Part("", first, min(size, N - first)) for first in range(0, N, size)]
+    parts = [Part("", first, min(most, N - first)) for first in range(0, N, most)]
     how: dict[str, Any] = {"cluster": cluster, "threads": threads, "retries": retries, "progress": progress}
     if output is not None:
-        job = {"function": function, "model": m, "points": values, "points_per_part": size}
-        return _write(results, parts, output, job, overwrite, **how)
-    _at_least_one("threads", threads)
+        job = {"function": function, "model": m, "points": values, "points_per_part": most}
+        return jobs.write(results, parts, output, job, overwrite, **how)
     reports = sorted(jobs.run(results, parts, [None] * len(parts), **how))
     whole = pa.concat_tables([report.table for report in reports])
     return {name: column.to_numpy() if column.type == pa.int64() else parquet_states.numbers(column, name)
             for name, column in zip(whole.column_names, whole.columns)}
 
 
-def _float64(x: Any) -> Any:
-    return float(x) if isinstance(x, (int, float, np.number)) and not isinstance(x, bool) else x
+def _at_least_one(name: str, given: int | None, default: int) -> int:
+    if given is not None and given < 1:
+        raise ValueError(f"{name} is {given}; it must be at least 1")
+    return max(default, 1) if given is None else given
 
 
-def _column(name: str, values: list[Any]) -> Any:
-    """Numbers, words, or arrays of the same shape."""
+def _column(name: str, values: list[Any], kind: type | None = None) -> Any:
+    """A column of words, of arrays of the same shape, or of numbers, which become the given kind."""
     if isinstance(values[0], (str, bool, np.bool_)):
         return pa.array(values)
     try:
@@ -249,23 +217,7 @@ def _column(name: str, values: list[Any]) -> Any:
     if array.dtype.kind not in "fiu":
         wrong = next((x for x in values if np.asarray(x).dtype.kind not in "fiu"), values[0])
         raise ValueError(f'"{name}" is {wrong!r:.60}; expected numbers, words or arrays of numbers')
-    return parquet_states.as_column(name, array, len(values))
-
-
-def _at_least_one(name: str, value: int) -> None:
-    if value < 1:
-        raise ValueError(f"{name} is {value}; it must be at least 1")
-
-
-def _write(results: jobs.Function, parts: list[Part], output: str | os.PathLike[str], job: Mapping[str, Any],
-           overwrite: bool, **how: Any) -> Written:
-    _at_least_one("threads", how["threads"])
-    try:
-        reports = jobs.write(results, parts, output, job, overwrite, **how)
-    finally:
-        parquet_states.reading.clear()
-    return Written(sum(part.rows for part in parts), len(parts), sum(report.computed for report in reports),
-                   sum(report.faulty for report in reports))
+    return parquet_states.as_column(name, array.astype(kind) if kind and array.ndim == 1 else array, len(values))
 
 
 signatures.explain_calls(__name__)

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .job_identity import Unknown, digest
-from .parquet_states import Part  # first: it says what to install if pyarrow is missing
+from .parquet_states import Part, reading  # first: it says what to install if pyarrow is missing
 from ..support.progress import progress_bar
 from ..support.written_files import replacing
 
@@ -40,6 +40,21 @@ Function = Callable[[Part], tuple[Any, int]]
 Numbered = tuple[int, Part, Path | None]
 
 
+class Written(NamedTuple):
+    """Summary of the files that `map_states` or `sweep` wrote: the number of `rows` and of `parts`, the number of parts
+    that this call `computed` (an interrupted call before may have computed the others), and the number of `faulty`
+    rows, which are NaN, among them.
+
+    >>> axode.distributed.Written(rows=10, parts=1, computed=1, faulty=0).rows
+    10
+    """
+
+    rows: int
+    parts: int
+    computed: int
+    faulty: int
+
+
 class Report(NamedTuple):
     """Report of a worker about a part. It has the table if there is no file."""
 
@@ -48,7 +63,6 @@ class Report(NamedTuple):
     faulty: int = 0
     computed: bool = False
     table: Any = None
-    error: Exception | None = None
 
 
 def stored(paths: Sequence[Path]) -> Any:
@@ -62,18 +76,15 @@ def parquet_file(path: Path, schema: Any) -> Any:
 
 def compute(function: Function, number: int, part: Part, path: Path | None) -> Report:
     """Writes the file of a part, unless it is there: a worker may have ended between writing it and saying so."""
-    try:
-        if path is not None and path.exists():
-            return Report(number, stored([path]).schema)
-        table, faulty = function(part)
-        if path is None:
-            return Report(number, table.schema, faulty, True, table)
-        new_file = parquet_file if path.suffix == ".parquet" else pa.ipc.new_file
-        with replacing(path) as temporary, new_file(temporary, table.schema) as file:
-            file.write_table(table)
-        return Report(number, table.schema, faulty, True)
-    except Exception as error:
-        return Report(number, None, error=error)
+    if path is not None and path.exists():
+        return Report(number, stored([path]).schema)
+    table, faulty = function(part)
+    if path is None:
+        return Report(number, table.schema, faulty, True, table)
+    new_file = parquet_file if path.suffix == ".parquet" else pa.ipc.new_file
+    with replacing(path) as temporary, new_file(temporary, table.schema) as file:
+        file.write_table(table)
+    return Report(number, table.schema, faulty, True)
 
 
 def _in_process(function: Function, parts: Sequence[Numbered], threads: int) -> Generator[Report, None, None]:
@@ -99,17 +110,20 @@ def _on_cluster(ray: Any, function: Function, parts: Sequence[Numbered], retries
                 one = waiting.popleft()
                 running[remote.remote(shipped, *one)] = one
             (done,), _ = ray.wait(list(running))
-            number, part, _ = running.pop(done)
+            _, part, _ = running.pop(done)
             try:
                 yield ray.get(done)
+            except ray.exceptions.RayTaskError as error:
+                raise error.cause from None
             except ray.exceptions.RayError as error:
                 lost = isinstance(error, ray.exceptions.WorkerCrashedError)
                 why = f"its worker ended {retries + 1} times" if lost else str(error).strip().splitlines()[-1]
-                yield Report(number, None, error=RuntimeError(f"{part}: {why}"))
+                raise RuntimeError(f"{part}: {why}") from error
     finally:
-        for reference in running:
-            with contextlib.suppress(Exception):  # the cluster itself may be gone
+        with contextlib.suppress(Exception):  # the cluster itself may be gone
+            for reference in running:
                 ray.cancel(reference, force=True)
+            ray.wait(list(running), num_returns=len(running), timeout=10)  # so that none writes to the next job's files
 
 
 def _cluster_named(cluster: str | None, stack: contextlib.ExitStack) -> Any:
@@ -142,12 +156,15 @@ def run(function: Function, parts: Sequence[Part], paths: Sequence[Path | None],
         retries: int, progress: Progress) -> Generator[Report, None, None]:
     """Computes all parts and yields their reports in the order in which they end. The first error ends the work, and so
     does Ctrl-C; the files that exist by then stay. Every worker receives the function once."""
+    if threads < 1:
+        raise ValueError(f"threads is {threads}; it must be at least 1")
     written: list[Numbered] = []
     missing: list[Numbered] = []
     for number, (part, path) in enumerate(zip(parts, paths)):
         (written if path is not None and path.exists() else missing).append((number, part, path))
     rows, done, schema = sum(part.rows for part in parts), 0, None
     with contextlib.ExitStack() as stack:
+        stack.callback(reading.clear)
         if progress is True:
             bar = stack.enter_context(progress_bar(rows, unit="row", unit_scale=True))
             progress = lambda done, rows: bar.update(done - bar.n)
@@ -155,8 +172,6 @@ def run(function: Function, parts: Sequence[Part], paths: Sequence[Path | None],
         new = _on_cluster(ray, function, missing, retries) if ray else _in_process(function, missing, threads)
         stack.enter_context(contextlib.closing(new))
         for report in itertools.chain(_in_process(function, written, 1), new):
-            if report.error is not None:
-                raise report.error
             schema = schema or report.schema
             if report.schema != schema:
                 before, after = (", ".join(f"{field.name} ({field.type})" for field in of)
@@ -169,7 +184,7 @@ def run(function: Function, parts: Sequence[Part], paths: Sequence[Path | None],
 
 
 def write(function: Function, parts: Sequence[Part], output: str | os.PathLike[str], job: Mapping[str, Any],
-          overwrite: bool, **how: Any) -> list[Report]:
+          overwrite: bool, **how: Any) -> Written:
     """Computes the parts that are missing, with the arguments of `run`, into files in a folder, or in a temporary
     folder beside the file into which they are joined.
 
@@ -187,7 +202,7 @@ def write(function: Function, parts: Sequence[Part], output: str | os.PathLike[s
     def clear(*beginnings: str) -> None:
         for file in folder.iterdir():
             if file.name.startswith(beginnings):
-                file.unlink()
+                file.unlink(missing_ok=True)
 
     def say(what: Mapping[str, Any]) -> None:
         with replacing(manifest) as temporary:
@@ -222,21 +237,21 @@ def write(function: Function, parts: Sequence[Part], output: str | os.PathLike[s
         say({**identity, "complete": False})
         try:
             reports = list(run(function, parts, paths, **how))
+            if is_file:
+                data = stored(paths)
+                with replacing(target, folder) as temporary, parquet_file(temporary, data.schema) as writer:
+                    for batch in data.to_batches(batch_size=1 << 16, batch_readahead=1, fragment_readahead=1):
+                        writer.write_batch(batch)
+                clear("part-")
+            else:
+                say({**identity, "complete": True})
         finally:
             clear(".")
             if not any(path.exists() for path in paths):  # there is nothing to go on with
                 clear(MANIFEST)
                 folder.rmdir()
-        if not is_file:
-            say({**identity, "complete": True})
-            return reports
-        data = stored(paths)
-        with replacing(target, folder) as temporary, parquet_file(temporary, data.schema) as writer:
-            for batch in data.to_batches(batch_size=1 << 16, batch_readahead=1, fragment_readahead=1):
-                writer.write_batch(batch)
-        clear("part-", MANIFEST)
-        folder.rmdir()
-        return reports
+        return Written(sum(part.rows for part in parts), len(parts), sum(report.computed for report in reports),
+                       sum(report.faulty for report in reports))
     except BlockingIOError:
         raise FileExistsError(f"{target}: another process is writing to it") from None
     finally:

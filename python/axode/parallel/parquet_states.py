@@ -95,9 +95,9 @@ def named_results(result: Any, name: str) -> dict[str, Any]:
 def functions() -> list[str]:
     """The names of the functions of this package that take many states."""
     there = {name: getattr(axode, name) for name in axode.__all__}
-    parameters = {name: list(inspect.signature(function).parameters) for name, function in there.items()
-                  if callable(function) and not inspect.isclass(function)}
-    return [name for name, names in parameters.items() if names[:2] == ["m", "q"] and "threads" in names]
+    takes = {name: list(inspect.signature(function).parameters) for name, function in there.items()
+             if callable(function) and not inspect.isclass(function)}
+    return [name for name, names in takes.items() if names[:2] == ["m", "q"] and "threads" in names]
 
 
 class TableFunction:
@@ -143,11 +143,10 @@ class TableFunction:
         if self.known and (missing := [name for name in self.takes if name not in OF_STATES]):
             raise TypeError(f"{self.name} needs an argument {missing[0]!r}")
         #: The bytes of the results of a state, if they are known before they are computed.
-        self.row_bytes = 1
-        if self.known and set(self.takes) <= OF_VELOCITIES | {"q"} and not self.known.startswith("rollout"):
-            # Refuses wrong arguments.
-            none = self._call({what: np.empty((0, len(headings(m, what)))) for what in self.takes})
-            self.row_bytes = sum(8 * int(np.prod(np.shape(x)[1:])) for x in none.values())
+        self.row_bytes = 0
+        if self.known and OF_VELOCITIES | {"q"} >= {*self.takes} and not self.known.startswith("rollout"):
+            none = {what: np.empty((0, len(headings(m, what)))) for what in self.takes}
+            self.row_bytes = sum(8 * int(np.prod(np.shape(x)[1:])) for x in self._call(none).values())
 
     @property
     def _callee(self) -> Any:
@@ -160,19 +159,15 @@ class TableFunction:
     def columns(self, there: Sequence[str]) -> tuple[dict[str, list[str]], list[str]]:
         """The column of each part of a state that the function takes, or its columns as `axode simulate` writes them;
         and the columns that are carried over. ValueError if one is missing."""
-        taken = {}
-        for what in self.takes:
-            each = [what] if what in there else headings(self.m, what) or [what]
-            taken[what] = each
-            missing = [name for name in each if name not in there]
-            if missing == each:
-                others = f', nor columns "{each[0]}", ..., "{each[-1]}"' if each != [what] else ""
-                raise ValueError(f'there is no column "{what}"{others}; there are {", ".join(there) or "none"}')
-            if missing:
-                raise ValueError(f'there is no column "{missing[0]}"')
+        taken = {what: [what] if what in there else headings(self.m, what) or [what] for what in self.takes}
+        for what, names in taken.items():
+            if missing := [name for name in names if name not in there]:
+                others = f', nor columns "{names[0]}", ..., "{names[-1]}"' if missing == names != [what] else ""
+                raise ValueError(f'there is no column "{what if missing == names else missing[0]}"{others}; '
+                                 f'there are {", ".join(there) or "none"}')
         parts = {*OF_STATES, *(name for what in OF_STATES for name in headings(self.m, what))}
         kept = [name for name in there if name not in parts] if self.keep is None else self.keep
-        kept = list(there) if kept == "all" else list(kept)
+        kept = list(there if kept == "all" else kept)
         if unknown := [name for name in kept if name not in there]:
             raise ValueError(f'there is no column "{unknown[0]}" to keep; there are {", ".join(there)}')
         return taken, kept
@@ -254,21 +249,25 @@ class Part(NamedTuple):
         return f"{f'{self.file}, rows' if self.file else 'points'} {self.first} to {self.first + self.rows - 1}"
 
 
-def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[str]:
-    """Parquet files by their names: one, a list, or all in a folder and below it in the order of their paths."""
-    if not isinstance(states, os.PathLike) and not states:
-        expected = "the name of a file or folder" if isinstance(states, str) else "at least one file"
-        raise ValueError(f"states is empty; expected {expected}")
-    if not isinstance(states, (str, os.PathLike)):
-        return [file for one in states for file in files_in(one)]
-    path = Path(states)
-    if not path.exists():
-        raise FileNotFoundError(f"{path}: there is no such file or folder")
-    below = sorted(path.rglob("*.parquet")) if path.is_dir() else [path]
-    found = [str(file) for file in below if not any(word[0] in "._" for word in file.relative_to(path).parts)]
-    if not found:
-        raise FileNotFoundError(f"{path}: there are no files *.parquet in this folder")
-    return found
+def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> list[str]:
+    """Parquet files by their names: one, a list, or all in a folder and below it in the order of their paths. The output
+    may not lie among them: a continued job would read its output as states."""
+    names = [states] if isinstance(states, (str, os.PathLike)) else list(states)
+    if not names or "" in names:
+        raise ValueError(f"states is empty; expected {'the name of a file or folder' if names else 'at least one file'}")
+    files: list[str] = []
+    for path in map(Path, names):
+        if not path.exists():
+            raise FileNotFoundError(f"{path}: there is no such file or folder")
+        here, there = path.resolve(), Path(output).resolve()
+        if here == there or here in there.parents or there in here.parents:
+            raise ValueError(f"{output} and the states {path} contain each other; choose another folder")
+        below = sorted(path.rglob("*.parquet")) if path.is_dir() else [path]
+        found = [str(file) for file in below if not any(word[0] in "._" for word in file.relative_to(path).parts)]
+        if not found:
+            raise FileNotFoundError(f"{path}: there are no files *.parquet in this folder")
+        files += found
+    return files
 
 
 @contextlib.contextmanager
