@@ -123,7 +123,8 @@ def _on_cluster(ray: Any, function: Function, parts: Sequence[Numbered], retries
         with contextlib.suppress(Exception):  # the cluster itself may be gone
             for reference in running:
                 ray.cancel(reference, force=True)
-            ray.wait(list(running), num_returns=len(running), timeout=10)  # so that none writes to the next job's files
+            # A worker that still lives could write to the files of the next job.
+            ray.wait(list(running), num_returns=len(running), timeout=10)
 
 
 def _cluster_named(cluster: str | None, stack: contextlib.ExitStack) -> Any:
@@ -138,14 +139,13 @@ def _cluster_named(cluster: str | None, stack: contextlib.ExitStack) -> Any:
         return None
     try:
         ray = importlib.import_module("ray")
-    except ImportError as error:
-        raise ImportError(f"cluster is {wanted!r}, which needs Ray: pip install ray") from error
-    try:
         host, _, port = wanted.removeprefix("ray://").rpartition(":")
         if host and port.isdigit():  # Ray itself waits some minutes if nobody listens
             socket.create_connection((host.strip("[]"), int(port)), timeout=10).close()
         ray.init(address=cluster, log_to_driver=False, logging_level=logging.ERROR,
                  include_dashboard=False if cluster == "local" else None)
+    except ImportError as error:
+        raise ImportError(f"cluster is {wanted!r}, which needs Ray: pip install ray") from error
     except (OSError, ValueError) as error:
         raise ConnectionError(f"there is no Ray cluster at {wanted!r}: {error}") from error
     stack.callback(ray.shutdown)

@@ -36,14 +36,15 @@ OF_STATES = OF_VELOCITIES | {"q", "w", "V", "Pi", "rates", "directions", "more",
 
 
 class RowError(ValueError):
-    """The number of a row that is refused, why, and the StatesError that refuses it, if there is one."""
+    """A row is refused: its number, why, and the StatesError that refuses it, if there is one; once the row is located,
+    the message alone."""
 
 
 def numbers(column: Any, name: str, width: int | None = None, taker: str = "") -> Any:
     """The numbers in a column of a table, (N, ...), NaN where it is null: lists of `width` numbers, which the `taker`
     expects, or single numbers if the width is 0. Without a width, a column without numbers is returned as it is."""
     column = column.combine_chunks()
-    shape: tuple[int, ...] = ()
+    N, shape = len(column), tuple[int, ...]()
     if pa.types.is_null(kind := column.type):  # pandas writes columns without rows or values so
         column = column.cast(pa.list_(pa.float64()) if width else pa.float64())
     if isinstance(kind, pa.FixedShapeTensorType):
@@ -61,7 +62,7 @@ def numbers(column: Any, name: str, width: int | None = None, taker: str = "") -
     if width is not None and not (is_number and bool(shape) == bool(width)):
         raise ValueError(f'column "{name}" holds {kind}; expected {"lists of " if width else ""}numbers')
     flat = column.to_numpy(zero_copy_only=False)
-    return flat.astype(np.float64, copy=False).reshape(-1, *shape) if is_number else flat
+    return flat.astype(np.float64, copy=False).reshape(N, *shape) if is_number else flat
 
 
 def headings(m: Model, what: str) -> list[str]:
@@ -190,7 +191,8 @@ class TableFunction:
         except RowError as error:
             row, why, *cause = error.args
             text = f"{where}row {first + row}: {why}"
-            raise (type(cause[0])(text, [first + row], cause[0].result) if cause else RowError(text)) from error.__cause__
+            found = type(cause[0])(text, [first + row], cause[0].result) if cause else RowError(text)
+            raise found from error.__cause__
         return pa.table(columns), int(bad.sum())
 
     def _states(self, table: Any, taken: Mapping[str, list[str]]) -> tuple[dict[str, Any], Any]:
@@ -249,12 +251,14 @@ class Part(NamedTuple):
         return f"{f'{self.file}, rows' if self.file else 'points'} {self.first} to {self.first + self.rows - 1}"
 
 
-def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> list[str]:
+def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+             output: str | os.PathLike[str]) -> list[str]:
     """Parquet files by their names: one, a list, or all in a folder and below it in the order of their paths. The output
     may not lie among them: a continued job would read its output as states."""
     names = [states] if isinstance(states, (str, os.PathLike)) else list(states)
     if not names or "" in names:
-        raise ValueError(f"states is empty; expected {'the name of a file or folder' if names else 'at least one file'}")
+        expected = "the name of a file or folder" if names else "at least one file"
+        raise ValueError(f"states is empty; expected {expected}")
     files: list[str] = []
     for path in map(Path, names):
         if not path.exists():

@@ -13,6 +13,7 @@ import axode
 import numpy as np
 import pytest
 from axode import distributed
+from axode.parallel.job_identity import digest
 from mechanisms import MECHANISMS
 from parquet_files import read, same, states, write
 
@@ -172,6 +173,14 @@ def scaled_by(factor):
     return lambda m, q: factor * q
 
 
+def repeated(factor):
+    """A function that calls itself."""
+    def again(m, q, more=True):
+        return again(m, factor * q, False) if more else q
+
+    return again
+
+
 def without_text(expression):
     """A function whose source Python cannot find."""
     return eval(f"lambda m, q: {expression}")
@@ -183,6 +192,7 @@ FUNCTIONS = {
     "a method": (lambda factor: Scaled(factor).__call__, 2.0, 3.0),
     "a class": (lambda kind: kind(2.0), Scaled, Shifted),
     "a variable of an enclosing function": (scaled_by, 2.0, 3.0),
+    "a function that calls itself": (repeated, 2.0, 3.0),
     "an array in a variable": (scaled_by, np.arange(7.0), np.arange(1.0, 8.0)),
     "a function without text": (without_text, "2 * q", "3 * q"),
     "a set of words": (without_text, "q if 'a' in {'a', 'b', 'c'} else -q", "q if 'a' in {'a', 'b', 'd'} else -q"),
@@ -253,6 +263,13 @@ print(digest(functools.partial(member, {"one", "two", "three", "four"})))
     printed = {subprocess.run([sys.executable, program], env={**os.environ, "PYTHONHASHSEED": seed}, text=True, check=True,
                               capture_output=True).stdout for seed in "123"}
     assert len(printed) == 1
+
+
+def test_a_job_does_not_depend_on_what_python_shares():
+    word, pair, array = "ab", ("ab", 1), np.arange(6.0).reshape(2, 3)
+    assert digest([word, word, array]) == digest([word, "".join("ab"), np.asfortranarray(array)])
+    assert digest([pair, pair]) == digest([pair, tuple(["ab", 1])])
+    assert len({digest(x) for x in ("a", b"a", ["a"], ("a",), {"a"}, frozenset("a"), {"a": 1}, array, array.ravel())}) == 9
 
 
 def test_a_program_that_is_killed_while_it_begins_leaves_nothing_in_the_way(folder):

@@ -341,6 +341,13 @@ def test_memory_does_not_grow_with_the_states(tmp_path):
     assert most[1] < 1.5 * most[0] + 4e6, most
 
 
+def test_parts_are_smaller_where_results_are_large(tmp_path, monkeypatch):
+    file = write(tmp_path / "in.parquet", ARM, states(ARM, 100))
+    monkeypatch.setattr(distributed, "BYTES", 30 * 49 * 8)  # of 30 mass matrices
+    assert distributed.map_states(ARM, "mass_matrix", file, tmp_path / "out").parts == 4
+    assert same(read(tmp_path / "out", "mass_matrix"), axode.mass_matrix(ARM, states(ARM, 100)["q"]))
+
+
 def test_an_output_that_is_there_is_replaced_only_if_one_says_so(tmp_path):
     file = write(tmp_path / "in.parquet", ARM, states(ARM, 100))
     for output in ("out.parquet", "out"):
