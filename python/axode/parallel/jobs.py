@@ -67,11 +67,11 @@ class Report(NamedTuple):
 
 def stored(paths: Sequence[Path]) -> Any:
     """The files of parts as one data set."""
-    return ds.dataset([str(path) for path in paths], format="parquet" if paths[0].suffix == ".parquet" else "ipc")
+    return ds.dataset([*map(str, paths)], format=paths[0].suffix.removeprefix("."))
 
 
-def parquet_file(path: Path, schema: Any) -> Any:
-    return pq.ParquetWriter(path, schema, use_dictionary=False)
+def new_file(path: Path, suffix: str, schema: Any) -> Any:
+    return pa.ipc.new_file(path, schema) if suffix == ".arrow" else pq.ParquetWriter(path, schema, use_dictionary=False)
 
 
 def compute(function: Function, number: int, part: Part, path: Path | None) -> Report:
@@ -81,8 +81,7 @@ def compute(function: Function, number: int, part: Part, path: Path | None) -> R
     table, faulty = function(part)
     if path is None:
         return Report(number, table.schema, faulty, True, table)
-    new_file = parquet_file if path.suffix == ".parquet" else pa.ipc.new_file
-    with replacing(path) as temporary, new_file(temporary, table.schema) as file:
+    with replacing(path) as temporary, new_file(temporary, path.suffix, table.schema) as file:
         file.write_table(table)
     return Report(number, table.schema, faulty, True)
 
@@ -239,7 +238,7 @@ def write(function: Function, parts: Sequence[Part], output: str | os.PathLike[s
             reports = list(run(function, parts, paths, **how))
             if is_file:
                 data = stored(paths)
-                with replacing(target, folder) as temporary, parquet_file(temporary, data.schema) as writer:
+                with replacing(target, folder) as temporary, new_file(temporary, target.suffix, data.schema) as writer:
                     for batch in data.to_batches(batch_size=1 << 16, batch_readahead=1, fragment_readahead=1):
                         writer.write_batch(batch)
                 clear("part-")
