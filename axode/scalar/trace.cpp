@@ -13,10 +13,10 @@ thread_local Tape* current = nullptr;
 using Operation = Tape::Operation;
 
 /// Sums of constant factors below this fraction of the larger one count as 0: constants have rounding errors.
-constexpr double rounding = 0x1p-50;
+constexpr double rounding_of_constants = 0x1p-50;
 double sum_of_factors(double a, double b) {
   const double sum = a + b;
-  return std::abs(sum) <= rounding * std::max(std::abs(a), std::abs(b)) ? 0 : sum;
+  return std::abs(sum) <= rounding_of_constants * std::max(std::abs(a), std::abs(b)) ? 0 : sum;
 }
 
 }  // namespace

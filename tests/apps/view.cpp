@@ -16,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::string pendulum = robot("double_pendulum.toml");
+const std::string two_bodies = robot("double_pendulum.toml");
 
 nlohmann::json scene_in(const std::string& file) {
   const std::string page = contents(file), before = R"(<script id="scene" type="application/json">)";
@@ -37,7 +37,7 @@ class View : public testing::Test {
   std::string simulated(const std::string& ending) const {
     const std::string file = folder_.file("run." + ending);
     const Outcome outcome =
-        axode({"simulate", pendulum, "--state", "-", "--until", "0.5", "--samples", "20", "--output", file},
+        axode({"simulate", two_bodies, "--state", "-", "--until", "0.5", "--samples", "20", "--output", file},
               R"({"q": {"pin": 1}})");
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     return file;
@@ -49,7 +49,7 @@ class View : public testing::Test {
 
 TEST(ViewCommand, SaysWhereABuildHasNoViewer) {
   if (!std::string_view(AXODE_PAGE).empty()) GTEST_SKIP() << "this build has a viewer";
-  const Outcome outcome = axode({"view", pendulum, "--output", "page.html"});
+  const Outcome outcome = axode({"view", two_bodies, "--output", "page.html"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err,
             "axode view: this build of axode has no viewer; configure it with -DAXODE_VIEWER=ON, which takes "
@@ -57,7 +57,7 @@ TEST(ViewCommand, SaysWhereABuildHasNoViewer) {
 }
 
 TEST_F(View, WritesAPageWithTheScene) {
-  const Outcome outcome = view({pendulum, "--output", page_});
+  const Outcome outcome = view({two_bodies, "--output", page_});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, testing::MatchesRegex(".*page.html: [0-9.]+ [kM]B, 2 moving bodies, 0 meshes\n"));
@@ -69,7 +69,7 @@ TEST_F(View, WritesAPageWithTheScene) {
 }
 
 TEST_F(View, ShowsTheStateThatIsGiven) {
-  EXPECT_EQ(view({pendulum, "--state", "-", "--output", page_}, R"({"q": {"elbow": 0.5}})").code, 0);
+  EXPECT_EQ(view({two_bodies, "--state", "-", "--output", page_}, R"({"q": {"elbow": 0.5}})").code, 0);
   EXPECT_EQ(scene_in(page_)["q"], nlohmann::json({0.0, 0.5}));
 }
 
@@ -88,7 +88,7 @@ TEST_F(View, WarnsThatALoopIsOpen) {
 TEST_F(View, ShowsTheMotionOfEveryKindOfFile) {
   for (const char* ending : {"csv", "json", "npz"}) {
     const std::string run = simulated(ending);
-    const Outcome outcome = view({pendulum, "--motion", run, "--output", page_});
+    const Outcome outcome = view({two_bodies, "--motion", run, "--output", page_});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const nlohmann::json scene = scene_in(page_), motion = scene["motion"];
     const nlohmann::json expected = nlohmann::json::parse(contents(simulated("json")));
@@ -126,14 +126,14 @@ TEST_F(View, ShowsTheLoadsOfASimulation) {
     if (first.is_null()) first = motion["loads"];
     EXPECT_EQ(motion["loads"], first) << ending;
   }
-  EXPECT_TRUE(view({pendulum, "--motion", simulated("csv"), "--output", page_}).err.empty());
+  EXPECT_TRUE(view({two_bodies, "--motion", simulated("csv"), "--output", page_}).err.empty());
   EXPECT_TRUE(scene_in(page_)["motion"]["loads"].is_null());
 }
 
 TEST_F(View, AMotionNeedsNoAccelerationsAndForces) {
   const std::string file = folder_.write(
       "run.csv", "\xEF\xBB\xBFt,q pin,\"q elbow\",v pin,v elbow,note\r\n0,1,2,3,4,5\r\n\n1,2,3,4,5,6\n");
-  ASSERT_EQ(view({pendulum, "--motion", file, "--output", page_}).code, 0);
+  ASSERT_EQ(view({two_bodies, "--motion", file, "--output", page_}).code, 0);
   const nlohmann::json motion = scene_in(page_)["motion"];
   EXPECT_EQ(motion["q"], nlohmann::json({{1.0, 2.0}, {2.0, 3.0}}));
   EXPECT_TRUE(motion["tau"].is_null());
@@ -141,7 +141,7 @@ TEST_F(View, AMotionNeedsNoAccelerationsAndForces) {
 }
 
 TEST_F(View, RefusesMotionsThatDoNotFitInOneSentence) {
-  const auto error = [&](const std::string& file, const std::string& of = pendulum) {
+  const auto error = [&](const std::string& file, const std::string& of = two_bodies) {
     const Outcome outcome = view({of, "--motion", file, "--output", page_});
     EXPECT_NE(outcome.code, 0);
     EXPECT_EQ(outcome.out, "");
@@ -226,7 +226,7 @@ TEST_F(View, OpensThePageWhereItIsNotToldAFile) {
   std::filesystem::create_directory(tmp);
   const auto run_with = [&](const std::string& path) {
     return run(
-        {"env", "PATH=" + path, "TMPDIR=" + tmp, "AXODE_OPENED=" + opened, AXODE_COMMAND, "view", pendulum});
+        {"env", "PATH=" + path, "TMPDIR=" + tmp, "AXODE_OPENED=" + opened, AXODE_COMMAND, "view", two_bodies});
   };
   const Outcome outcome = run_with(folder_.path().string() + ":/usr/bin:/bin");
   EXPECT_EQ(outcome.code, 0) << outcome.err;

@@ -15,7 +15,7 @@
 namespace axode::test {
 namespace {
 
-constexpr double g = 9.81;
+constexpr double gravity = 9.81;
 using Numbers = std::vector<double>;
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -50,7 +50,7 @@ Model pendulum(double m, double l, double I, double damping) {
 TEST(Linearization, OfAPendulumHasItsFrequencyAndItsDampingRatio) {
   const double m = 2, l = 0.5, I = 0.3, d = 0.7, J = m * l * l + I;
   const Model model = pendulum(m, l, I, d);
-  const double omega = std::sqrt(m * g * l / J), zeta = d / (2 * J * omega);
+  const double omega = std::sqrt(m * gravity * l / J), zeta = d / (2 * J * omega);
   const System free = linearized(model, {0}, {0}),
                damped = linearized(model, {0}, {0}, {.joint_losses = true});
   EXPECT_TRUE(free.A.isApprox(square(2, {0, 1, -omega * omega, 0}), 1e-14));
@@ -162,7 +162,7 @@ TEST(Equilibrium, IsAskedForInVainWhereThereIsNone) {
   const Model humanoid = example("humanoid.urdf", Base::free);
   const EquilibriumResult falling = equilibrium(humanoid, neutral(humanoid));
   EXPECT_EQ(falling.status, stalled);
-  EXPECT_NEAR(falling.residual, humanoid.total_mass() * g, 1);
+  EXPECT_NEAR(falling.residual, humanoid.total_mass() * gravity, 1);
   const Model pendulum = test::pendulum(1, 1, 0, 0);
   EXPECT_EQ(equilibrium(pendulum, Numbers{0.3}, Numbers{10}).status, stalled);  // m g l = 9.81
   EXPECT_EQ(equilibrium(pendulum, Numbers{0.3}, {}, {}, {.iterations = 1}).status, iteration_limit);

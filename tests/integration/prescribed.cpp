@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-using Vector = Eigen::VectorXd;
+using Eigen::VectorXd;
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// A wave with the value s and the rate ds at 0.
@@ -52,7 +52,7 @@ TEST(PrescribedMotions, OfTreesTakeTheForcesThatThePartitionOfTheMassMatrixGives
     const Eigen::Index nv = model.nv();
     if (motions.empty()) continue;
     ++tested;
-    Vector tau(nv), h(nv), a = Vector::Zero(nv);
+    VectorXd tau(nv), h(nv), a = VectorXd::Zero(nv);
     for (double& x : tau) x = random.number(-1, 1);
     Matrix M(nv, nv);
     Workspace<> workspace(model);
@@ -67,12 +67,12 @@ TEST(PrescribedMotions, OfTreesTakeTheForcesThatThePartitionOfTheMassMatrixGives
       a[c] = motion.function(0).dds;
     }
     const Matrix M_ff = M(free, free);
-    const Vector known = tau - h - M * a;
+    const VectorXd known = tau - h - M * a;
     if (!free.empty()) {
-      const Vector a_free = M_ff.ldlt().solve(Vector(known(free)));
+      const VectorXd a_free = M_ff.ldlt().solve(VectorXd(known(free)));
       a(free) = a_free;
     }
-    const Vector forces = (M * a + h - tau)(held);
+    const VectorXd forces = (M * a + h - tau)(held);
     const DynamicsAtTime found =
         forward_dynamics_at(model, 0, mover.state.q, mover.state.v, as_span(tau), {}, motions);
     ASSERT_TRUE(found.solvability.ok());

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-Model model_of(const std::string& elements) {
+Model model_of_urdf(const std::string& elements) {
   const std::string text = "<robot name=\"r\">\n" + elements + "</robot>\n";
   return ModelBuilder(read_urdf_text(text, "test.urdf")).build();
 }
@@ -42,7 +42,7 @@ std::vector<std::string> messages(const Model& model) {
 
 TEST(Urdf, TheJointFrameIsTheFrameOfTheChild) {
   const Model model =
-      model_of(link("a") + link("b") +
+      model_of_urdf(link("a") + link("b") +
                joint("j", "continuous", "a", "b",
                      R"(<origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><axis xyz="0 2 0"/>)"));
   const Body& b = model.body(1);
@@ -54,7 +54,7 @@ TEST(Urdf, TheJointFrameIsTheFrameOfTheChild) {
 
 TEST(Urdf, RollPitchYawTurnAboutFixedAxesInThisOrder) {
   const Model model =
-      model_of(link("a") + link("b") + joint("j", "fixed", "a", "b", R"(<origin rpy="0.3 -0.4 0.5"/>)"));
+      model_of_urdf(link("a") + link("b") + joint("j", "fixed", "a", "b", R"(<origin rpy="0.3 -0.4 0.5"/>)"));
   const SO3<> expected =
       exp_SO3(Vec3<>{0, 0, 0.5}) * exp_SO3(Vec3<>{0, -0.4, 0}) * exp_SO3(Vec3<>{0.3, 0, 0});
   const SO3<>& R = model.frame(model.frame_index("b")).pose.R;
@@ -62,13 +62,13 @@ TEST(Urdf, RollPitchYawTurnAboutFixedAxesInThisOrder) {
 }
 
 TEST(Urdf, TheAxisIsXWhereNoneIsGiven) {
-  const Model model = model_of(link("a") + link("b") + joint("j", "continuous", "a", "b"));
+  const Model model = model_of_urdf(link("a") + link("b") + joint("j", "continuous", "a", "b"));
   EXPECT_EQ(norm(model.body(1).X[0].w - Vec3<>{1, 0, 0}), 0);
 }
 
 TEST(Urdf, BodiesFollowDepthFirstInTheOrderOfTheJoints) {
   const Model model =
-      model_of(link("d") + link("c") + link("b") + link("a") + link("root") +
+      model_of_urdf(link("d") + link("c") + link("b") + link("a") + link("root") +
                joint("second", "continuous", "root", "b") + joint("third", "continuous", "root", "c") +
                joint("first of second", "continuous", "b", "d") + joint("fourth", "continuous", "root", "a"));
   std::vector<std::string> order;
@@ -77,7 +77,7 @@ TEST(Urdf, BodiesFollowDepthFirstInTheOrderOfTheJoints) {
 }
 
 TEST(Urdf, LimitsDampingAndFrictionAreKept) {
-  const Model model = model_of(link("a") + link("b") +
+  const Model model = model_of_urdf(link("a") + link("b") +
                                joint("j", "prismatic", "a", "b",
                                      R"(<limit lower="-1" upper="2" velocity="3" effort="4"/>
                                                                 <dynamics damping="0.5" friction="0.6"/>)"));
@@ -88,7 +88,7 @@ TEST(Urdf, LimitsDampingAndFrictionAreKept) {
 
 TEST(Urdf, AContinuousJointHasNoLimitsOfPosition) {
   const Model model =
-      model_of(link("a") + link("b") +
+      model_of_urdf(link("a") + link("b") +
                joint("j", "continuous", "a", "b", R"(<limit lower="0" upper="0" velocity="3"/>)"));
   const Dof expected{-infinity, infinity, 3, infinity, 0, 0, 0};
   EXPECT_TRUE(test::same(model.joint(1).dof[0], expected));
@@ -96,7 +96,7 @@ TEST(Urdf, AContinuousJointHasNoLimitsOfPosition) {
 }
 
 TEST(Urdf, MissingLimitsAreDoubtfulAndUnlimited) {
-  const Model model = model_of(link("a") + link("b") + link("c") + joint("j", "revolute", "a", "b") +
+  const Model model = model_of_urdf(link("a") + link("b") + link("c") + joint("j", "revolute", "a", "b") +
                                joint("k", "revolute", "b", "c", R"(<limit effort="1"/>)"));
   EXPECT_EQ(model.joint(1).dof[0].upper, infinity);
   EXPECT_EQ(model.joint(2).dof[0].upper, 0);
@@ -107,7 +107,7 @@ TEST(Urdf, MissingLimitsAreDoubtfulAndUnlimited) {
 }
 
 TEST(Urdf, TheLargestDoubleAndInfMeanNoLimit) {
-  const Model model = model_of(
+  const Model model = model_of_urdf(
       link("a") + link("b") +
       joint(
           "j", "revolute", "a", "b",
@@ -118,7 +118,7 @@ TEST(Urdf, TheLargestDoubleAndInfMeanNoLimit) {
 
 TEST(Urdf, FloatingAndPlanarJointsHaveSixAndThreeDegreesOfFreedom) {
   const Model model =
-      model_of(link("a") + link("b") + link("c") + joint("j", "floating", "a", "b") +
+      model_of_urdf(link("a") + link("b") + link("c") + joint("j", "floating", "a", "b") +
                joint("k", "planar", "b", "c",
                      R"(<axis xyz="0 1 0"/><limit velocity="2" effort="3"/><dynamics damping="0.1"/>)"));
   EXPECT_EQ(model.joint(1).kind, Subgroup::free);
@@ -131,7 +131,7 @@ TEST(Urdf, FloatingAndPlanarJointsHaveSixAndThreeDegreesOfFreedom) {
 
 TEST(Urdf, LimitsTheWrongWayRoundAreNone) {
   const Model model =
-      model_of(link("a") + link("b") +
+      model_of_urdf(link("a") + link("b") +
                joint("j", "revolute", "a", "b", R"(<limit lower="1" upper="-1" velocity="2" effort="3"/>)"));
   EXPECT_TRUE(test::same(model.joint(1).dof[0], Dof{-infinity, infinity, 2, 3, 0, 0, 0}));
   EXPECT_THAT(messages(model),
@@ -140,7 +140,7 @@ TEST(Urdf, LimitsTheWrongWayRoundAreNone) {
 }
 
 TEST(Urdf, AJointThatFollowsOneWhichDoesNotExistMovesOnItsOwn) {
-  const Model model = model_of(link("a") + link("b") + link("c") + joint("left", "continuous", "a", "b") +
+  const Model model = model_of_urdf(link("a") + link("b") + link("c") + joint("left", "continuous", "a", "b") +
                                joint("right", "continuous", "a", "c", R"(<mimic joint="lefd"/>)"));
   EXPECT_EQ(model.nq(), 2);
   EXPECT_THAT(messages(model),
@@ -171,7 +171,7 @@ TEST(Urdf, OfManyUnknownLeadersOnlyTheFirstGetASuggestion) {
 }
 
 TEST(Urdf, ASecondEqualElementAndAScaleOfFourNumbersAreDoubts) {
-  const Model model = model_of(
+  const Model model = model_of_urdf(
       "<link name=\"a\"/>\n<link name=\"b\"><visual><geometry><mesh filename=\"b.stl\" scale=\"2 2 2 2\"/>"
       "</geometry></visual></link>\n" +
       joint("j", "continuous", "a", "b", R"(<axis xyz="0 0 1"/><axis xyz="0 0 1"/>)"));
@@ -184,7 +184,7 @@ TEST(Urdf, ASecondEqualElementAndAScaleOfFourNumbersAreDoubts) {
 }
 
 TEST(Urdf, MimicCouplesAJoint) {
-  const Model model = model_of(
+  const Model model = model_of_urdf(
       link("a") + link("b") + link("c") + link("d") +
       joint("j", "continuous", "a", "b", R"(<mimic joint="l" multiplier="-2" offset="0.5"/>)") +
       joint("k", "continuous", "a", "c", R"(<mimic joint="l"/>)") + joint("l", "continuous", "a", "d"));
@@ -196,7 +196,7 @@ TEST(Urdf, MimicCouplesAJoint) {
 }
 
 TEST(Urdf, LoopJointsCloseLoopsBetweenFramesOfLinks) {
-  const Model model = model_of(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
+  const Model model = model_of_urdf(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
                                joint("k", "continuous", "a", "c") +
                                R"(<loop_joint name="pin" type="spherical"><link1 link="b" xyz="1 0 0"/>
       <link2 link="c" xyz="0 1 0" rpy="0 0 -1.5707963267948966"/></loop_joint>
@@ -214,7 +214,7 @@ TEST(Urdf, LoopJointsCloseLoopsBetweenFramesOfLinks) {
 }
 
 TEST(Urdf, FixedLinksAreMergedAndStayFrames) {
-  const Model model = model_of(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
+  const Model model = model_of_urdf(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
                                joint("k", "fixed", "b", "c", R"(<origin xyz="0 0 2"/>)"));
   EXPECT_EQ(model.n_bodies(), 1);
   EXPECT_EQ(model.body(1).M.m, 2);
@@ -225,7 +225,7 @@ TEST(Urdf, FixedLinksAreMergedAndStayFrames) {
 }
 
 TEST(Urdf, TheInertiaIsTurnedIntoTheAxesOfTheLink) {
-  const Model model = model_of(R"(<link name="a"/><link name="b"><inertial>
+  const Model model = model_of_urdf(R"(<link name="a"/><link name="b"><inertial>
       <origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/><mass value="3"/>
       <inertia ixx="1" ixy="0.1" ixz="0" iyy="2" iyz="0" izz="2.5"/></inertial></link>)" +
                                joint("j", "continuous", "a", "b"));
@@ -240,7 +240,7 @@ TEST(Urdf, TheInertiaIsTurnedIntoTheAxesOfTheLink) {
 TEST(Urdf, ALinkWithoutInertialIsMasslessAndZeroesAreOneDoubt) {
   const std::string zero = R"(<inertial><mass value="0"/>
     <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>)";
-  const Model model = model_of("<link name=\"a\"/><link name=\"b\">" + zero + "<link name=\"c\">" + zero +
+  const Model model = model_of_urdf("<link name=\"a\"/><link name=\"b\">" + zero + "<link name=\"c\">" + zero +
                                link("d") + joint("j", "continuous", "a", "b") +
                                joint("k", "continuous", "b", "c") + joint("l", "continuous", "c", "d"));
   EXPECT_EQ(model.total_mass(), 1);
@@ -250,14 +250,14 @@ TEST(Urdf, ALinkWithoutInertialIsMasslessAndZeroesAreOneDoubt) {
 }
 
 TEST(Urdf, AnInertiaOfNoDensityIsAWarning) {
-  const Model model = model_of(R"(<link name="a"/><link name="b"><inertial><mass value="1"/>
+  const Model model = model_of_urdf(R"(<link name="a"/><link name="b"><inertial><mass value="1"/>
       <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="3"/></inertial></link>)" +
                                joint("j", "continuous", "a", "b"));
   EXPECT_THAT(messages(model), ElementsAre(HasSubstr("no density can produce its inertia")));
 }
 
 TEST(Urdf, ShapesKeepWhatIsSaidOfThem) {
-  const Model model = model_of(R"(<link name="a"><visual><origin xyz="1 2 3"/><geometry>
+  const Model model = model_of_urdf(R"(<link name="a"><visual><origin xyz="1 2 3"/><geometry>
       <mesh filename="package://robot/a.dae" scale="0.001 0.001 0.002"/></geometry><material name="red"/></visual>
       <collision name="hull"><geometry><mesh filename="a.stl"/></geometry></collision>
       <collision><geometry><box size="1 2 3"/></geometry></collision>
@@ -289,7 +289,7 @@ TEST(Urdf, ShapesKeepWhatIsSaidOfThem) {
 }
 
 TEST(Urdf, ShapesThatNobodyCanDrawAreDoubts) {
-  const Model model = model_of(R"(<link name="a"><visual><geometry><box size="1 1"/></geometry></visual>
+  const Model model = model_of_urdf(R"(<link name="a"><visual><geometry><box size="1 1"/></geometry></visual>
       <visual><geometry><sphere/></geometry></visual><collision><geometry><cylinder radius="-1" length="0"/></geometry>
       </collision><visual><geometry><sphere radius="1"/></geometry><material name="m"><color rgba="1 2 3 1"/></material>
       </visual></link><link name="ground"/>)" +
@@ -304,7 +304,7 @@ TEST(Urdf, ShapesThatNobodyCanDrawAreDoubts) {
 }
 
 TEST(Urdf, EachKindOfUnknownElementIsOneWarningWithItsFirstLine) {
-  const Model model = model_of(R"(<material name="red"><color rgba="1 0 0 1"/></material>
+  const Model model = model_of_urdf(R"(<material name="red"><color rgba="1 0 0 1"/></material>
 <transmission name="s"/>
 <transmission name="t"/>
 <gazebo/>
@@ -322,7 +322,7 @@ TEST(Urdf, EachKindOfUnknownElementIsOneWarningWithItsFirstLine) {
 
 TEST(Urdf, SafetyControllerAndCalibrationAreKnown) {
   const Model model =
-      model_of(link("a") + link("b") +
+      model_of_urdf(link("a") + link("b") +
                joint("j", "continuous", "a", "b",
                      R"(<safety_controller k_velocity="1" k_position="2" soft_lower_limit="0"/>
                                         <calibration rising="0.1"/>)"));
@@ -338,7 +338,7 @@ TEST(Urdf, TheRootIsFixedSetFreeOrTheGround) {
   EXPECT_EQ(free.n_bodies(), 2);
   EXPECT_EQ(free.joint(1).name, "free_base");
   const Model on_ground =
-      model_of("<link name=\"ground\"/>" + link("b") + joint("j", "continuous", "ground", "b"));
+      model_of_urdf("<link name=\"ground\"/>" + link("b") + joint("j", "continuous", "ground", "b"));
   EXPECT_EQ(on_ground.n_frames(), 2);
   EXPECT_EQ(on_ground.body(1).predecessor, 0);
 }
@@ -346,7 +346,7 @@ TEST(Urdf, TheRootIsFixedSetFreeOrTheGround) {
 TEST(Urdf, ALinkCalledGroundThatIsNoRootHasAnotherName) {
   const std::string names = link("base") + link("ground") + link("ground_2") + link("arm");
   const Model model =
-      model_of(names + joint("j", "continuous", "base", "ground") +
+      model_of_urdf(names + joint("j", "continuous", "base", "ground") +
                joint("k", "continuous", "ground", "arm") + joint("l", "continuous", "ground", "ground_2"));
   EXPECT_EQ(model.body(model.joint_index("j")).name, "ground_3");
   EXPECT_EQ(model.body(model.joint_index("k")).predecessor, model.joint_index("j"));
@@ -363,7 +363,7 @@ TEST(Urdf, NumbersDoNotDependOnTheLocale) {
     std::string do_grouping() const override { return "\3"; }
   };
   const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
-  const Model model = model_of(link("a") + link("b") +
+  const Model model = model_of_urdf(link("a") + link("b") +
                                joint("j", "continuous", "a", "b", R"(<origin xyz="1234.5 +2.25 -1e-3"/>)"));
   const std::string drawing = test::drawing_of(model), urdf = test::urdf_of(model);
   const Model again = ModelBuilder(read_drawing_text(drawing, "again.toml")).build();

@@ -14,27 +14,27 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 using Numbers = Trial::Numbers;
-using D = Dual<double, 6>;
+using D6 = Dual<double, 6>;
 
 class GeometryDerivatives : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, GeometryDerivatives, testing::ValuesIn(scalars()), name_of);
 
-std::vector<D> constant(const Numbers& x) { return {x.begin(), x.end()}; }
+std::vector<D6> constant(const Numbers& x) { return {x.begin(), x.end()}; }
 
 /// The tree with B_i replaced by B_i exp(Σ_u π_u e_u), to the first order in the parameters π_u.
-Tree<D> displaced(const Tree<double>& tree, int i) {
-  Tree<D> moved = cast<D>(tree);
+Tree<D6> displaced(const Tree<double>& tree, int i) {
+  Tree<D6> moved = cast<D6>(tree);
   const auto unit = [](std::size_t u) {
-    D x(0.0);
+    D6 x(0.0);
     x.dx[u] = 1;
     return x;
   };
-  const Vec3<D> w{unit(0), unit(1), unit(2)}, v{unit(3), unit(4), unit(5)};
-  const auto column = [&](const Vec3<D>& axis) { return axis + cross(w, axis); };
-  const SE3<D> exp{
-      {column({D(1.0), D(0.0), D(0.0)}), column({D(0.0), D(1.0), D(0.0)}), column({D(0.0), D(0.0), D(1.0)})},
+  const Vec3<D6> w{unit(0), unit(1), unit(2)}, v{unit(3), unit(4), unit(5)};
+  const auto column = [&](const Vec3<D6>& axis) { return axis + cross(w, axis); };
+  const SE3<D6> exp{
+      {column({D6(1.0), D6(0.0), D6(0.0)}), column({D6(0.0), D6(1.0), D6(0.0)}), column({D6(0.0), D6(0.0), D6(1.0)})},
       v};
-  const SE3<D> O = cast<D>(tree.frame_offset[static_cast<std::size_t>(i)]);
+  const SE3<D6> O = cast<D6>(tree.frame_offset[static_cast<std::size_t>(i)]);
   moved.B[static_cast<std::size_t>(i)] = moved.B[static_cast<std::size_t>(i)] * O * exp * inverse(O);
   return moved;
 }
@@ -58,15 +58,15 @@ TEST_P(GeometryDerivatives, OfInverseDynamicsAreThoseOfDualNumbers) {
     Displaced at(GetParam(), seed);
     const Model& model = at.trial.model;
     const std::size_t nv = static_cast<std::size_t>(model.nv()), n = at.trial.n_bodies();
-    std::vector<AppliedWrench<D>> wrenches;
+    std::vector<AppliedWrench<D6>> wrenches;
     for (const AppliedWrench<>& W : at.ask.loads.wrenches)
-      wrenches.emplace_back(W.frame, W.representation, axode::cast<D>(W.m), axode::cast<D>(W.f));
-    const Loads<D> loads{wrenches};
-    const std::vector<D> q = constant(at.ask.q), v = constant(at.ask.v), a = constant(at.ask.a);
+      wrenches.emplace_back(W.frame, W.representation, axode::cast<D6>(W.m), axode::cast<D6>(W.f));
+    const Loads<D6> loads{wrenches};
+    const std::vector<D6> q = constant(at.ask.q), v = constant(at.ask.v), a = constant(at.ask.a);
     Numbers expected(nv * n * 6);
     for (std::size_t i = 1; i <= n; ++i) {
-      GenericDynamics<D> dynamics(model, displaced(model.tree<double>(), static_cast<int>(i)));
-      std::vector<D> tau(nv);
+      GenericDynamics<D6> dynamics(model, displaced(model.tree<double>(), static_cast<int>(i)));
+      std::vector<D6> tau(nv);
       dynamics.inverse_dynamics(q, v, a, tau, loads);
       for (std::size_t c = 0; c < nv; ++c)
         for (std::size_t u = 0; u < 6; ++u) expected[(c * n + i - 1) * 6 + u] = tau[c].dx[u];
@@ -111,20 +111,20 @@ TEST_P(GeometryDerivatives, OfPosesAndJacobiansAreThoseOfDualNumbers) {
     Displaced at(GetParam(), seed);
     const Model& model = at.trial.model;
     const std::size_t nv = static_cast<std::size_t>(model.nv()), n = at.trial.n_bodies();
-    const std::vector<D> q = constant(at.ask.q);
+    const std::vector<D6> q = constant(at.ask.q);
     Numbers twists(6 * n * 6), jacobian(n * 6 * nv * 6);
     for (std::size_t i = 1; i <= n; ++i) {
-      const Tree<D> tree = displaced(model.tree<double>(), static_cast<int>(i));
-      const SE3<D> C = each_body_fixed_column(
-          tree, q.data(), Place<D>(at.ask.place.frame), [&](int, int c, const Screw<D>& X) {
-            const D entries[]{X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z};
+      const Tree<D6> tree = displaced(model.tree<double>(), static_cast<int>(i));
+      const SE3<D6> C = each_body_fixed_column(
+          tree, q.data(), Place<D6>(at.ask.place.frame), [&](int, int c, const Screw<D6>& X) {
+            const D6 entries[]{X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z};
             for (std::size_t u = 0; u < 6; ++u)
               for (std::size_t k = 0; k < 6; ++k)
                 jacobian[(((i - 1) * 6 + u) * nv + static_cast<std::size_t>(c)) * 6 + k] += entries[k].dx[u];
           });
       for (std::size_t u = 0; u < 6; ++u) {
-        const auto derivative = [&](const Vec3<D>& x) { return Vec3<>{x.x.dx[u], x.y.dx[u], x.z.dx[u]}; };
-        const auto value = [](const Vec3<D>& x) { return Vec3<>{x.x.x, x.y.x, x.z.x}; };
+        const auto derivative = [&](const Vec3<D6>& x) { return Vec3<>{x.x.dx[u], x.y.dx[u], x.z.dx[u]}; };
+        const auto value = [](const Vec3<D6>& x) { return Vec3<>{x.x.x, x.y.x, x.z.x}; };
         const SO3<> R{value(C.R.x), value(C.R.y), value(C.R.z)};
         const Vec3<> v = transpose(R) * derivative(C.r);
         const Vec3<> w{dot(R.z, derivative(C.R.y)), dot(R.x, derivative(C.R.z)), dot(R.y, derivative(C.R.x))};

@@ -41,7 +41,7 @@ System linearized(const Case& c, const Model& model, const Ask& ask) {
 }
 
 /// The state with random forces, its loads, and losses.
-Ask any(const Trial& trial, Random<double>& random) {
+Ask any_state(const Trial& trial, Random<double>& random) {
   Ask ask = trial.ask();
   ask.loads.joint_losses = true;
   ask.tau = random_numbers(random, trial.model.nv());
@@ -98,7 +98,7 @@ TEST_P(LinearizedInDouble, IsTheLimitOfDifferencesOfMotions) {
     Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 8, .always_mass = true});
     const Eigen::Index nv = trial.model.nv();
     if (nv == 0) return;
-    const Ask ask = any(trial, random);
+    const Ask ask = any_state(trial, random);
     const System linear = linearized(GetParam(), trial.model, ask);
     ASSERT_TRUE(linear.solvability.ok());
     for (int k = 0; k < 4; ++k) {
@@ -122,7 +122,7 @@ TEST_P(Linearized, HasTheDerivativesOfForwardDynamicsBelow) {
     Random<double> random(seed);
     Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
     const Eigen::Index nv = trial.model.nv();
-    const Ask ask = any(trial, random);
+    const Ask ask = any_state(trial, random);
     const System linear = linearized(GetParam(), trial.model, ask);
     const Answer derivatives = trial.answer("forward_dynamics_derivatives", with_springs(trial, ask));
     EXPECT_EQ(linear.solvability, derivatives.solvability);
@@ -158,7 +158,7 @@ TEST_P(Linearized, KeepsADisplacementAlongTheMotion) {  // because [v, v] = 0
     Random<double> random(seed);
     Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
     const Eigen::Index nv = trial.model.nv();
-    const System linear = linearized(GetParam(), trial.model, any(trial, random));
+    const System linear = linearized(GetParam(), trial.model, any_state(trial, random));
     if (!linear.solvability.ok() || nv == 0) return;
     const VectorXd v = vector(trial.state.v);
     nothing.expect_equal(VectorXd(linear.A.topLeftCorner(nv, nv) * v), VectorXd(VectorXd::Zero(nv)),

@@ -28,7 +28,6 @@ using testing::IsEmpty;
 using testing::StartsWith;
 using testing::UnorderedElementsAre;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A description of two bodies in a row that has no fault.
@@ -358,6 +357,7 @@ const std::vector<Place>& places() {
 }
 
 TEST(Faults, EveryNumberOfAPoseIsFinite) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const Place& place : places())
     for (int k = 0; k < 8; ++k)
       for (const double x : {nan, infinity, -infinity}) {

@@ -13,7 +13,6 @@ namespace axode::test {
 namespace {
 
 constexpr double rounding = 1e-13;
-constexpr std::array ways{Way::construction_frame, Way::body_frame, Way::joint_frames};
 constexpr std::array kinds_with_one_screw{JointKind::fixed,   JointKind::revolute,    JointKind::prismatic,
                                           JointKind::helical, JointKind::cylindrical, JointKind::universal};
 

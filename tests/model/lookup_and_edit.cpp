@@ -12,7 +12,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-auto throws(const std::string& message) { return ThrowsMessage<std::invalid_argument>(message); }
+auto throws_message(const std::string& message) { return ThrowsMessage<std::invalid_argument>(message); }
 
 Model arm() {
   const MassProperties solid{.mass = 2, .com = {0.1, 0, 0}, .Theta = {.02, .03, .03, 0, 0, 0}};
@@ -68,23 +68,23 @@ TEST(Lookup, EveryNameFindsItsOwn) {
 TEST(Lookup, WhoMisspellsIsTold) {
   const Model model = arm();
   EXPECT_THAT([&] { model.body_index("foream"); },
-              throws("model \"arm\" has no body \"foream\"; did you mean \"forearm\"?"));
+              throws_message("model \"arm\" has no body \"foream\"; did you mean \"forearm\"?"));
   EXPECT_THAT([&] { model.joint_index("elbwo"); },
-              throws("model \"arm\" has no joint \"elbwo\"; did you mean \"elbow\"?"));
+              throws_message("model \"arm\" has no joint \"elbwo\"; did you mean \"elbow\"?"));
   const Model cardan = ModelBuilder()
                            .add({.name = "fork",
                                  .joint = {.name = "U", .kind = JointKind::universal, .axis = {0, 0, 1}},
                                  .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1, 0, 0, 0}}})
                            .build();
   EXPECT_THAT([&] { static_cast<void>(cardan.joint_index("U")); },
-              throws("model \"mechanism\" has no joint \"U\"; there are \"U.first\", \"U.second\""));
+              throws_message("model \"mechanism\" has no joint \"U\"; there are \"U.first\", \"U.second\""));
   EXPECT_THAT([&] { model.frame_index("tol"); },
-              throws("model \"arm\" has no frame \"tol\"; did you mean \"tool\"?"));
-  EXPECT_THAT([&] { model.body_index("wheel"); }, throws("model \"arm\" has no body \"wheel\""))
+              throws_message("model \"arm\" has no frame \"tol\"; did you mean \"tool\"?"));
+  EXPECT_THAT([&] { model.body_index("wheel"); }, throws_message("model \"arm\" has no body \"wheel\""))
       << "nothing is near";
-  EXPECT_THAT([&] { model.body_index(""); }, throws("model \"arm\" has no body \"\""));
+  EXPECT_THAT([&] { model.body_index(""); }, throws_message("model \"arm\" has no body \"\""));
   EXPECT_THAT([&] { model.body_index("Forearm"); },
-              throws("model \"arm\" has no body \"Forearm\"; did you mean \"forearm\"?"));
+              throws_message("model \"arm\" has no body \"Forearm\"; did you mean \"forearm\"?"));
   EXPECT_THAT([&] { model.body_index(std::string(100'000, 'x')); }, testing::Throws<std::invalid_argument>());
 }
 
@@ -188,7 +188,7 @@ TEST(Edit, AModelRebuiltFromItsDescriptionIsTheSame) {
 TEST(Edit, TheBodyToEditMustExist) {
   ModelBuilder builder(arm());
   EXPECT_THAT([&] { builder.body("hnad"); },
-              throws("ModelBuilder::body: model \"arm\" has no body \"hnad\"; did you mean \"hand\"?"));
+              throws_message("ModelBuilder::body: model \"arm\" has no body \"hnad\"; did you mean \"hand\"?"));
 }
 
 TEST(Edit, ABadEditIsRefusedAndTheBuilderStays) {

@@ -11,8 +11,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr double rounding = 1e-13;
-constexpr std::array ways{Way::construction_frame, Way::body_frame, Way::joint_frames};
+constexpr double to_rounding = 1e-13;
 
 BodyDescription body(std::string name, std::string predecessor, JointKind kind = JointKind::revolute) {
   return {.name = std::move(name),
@@ -106,7 +105,7 @@ TEST(Structure, DeclaringBodiesInAnotherOrderChangesNoMotion) {
     }
     const std::vector<SE3<>> C_a = poses_of(a, q), C_b = poses_of(b, q_b);
     for (int f = 0; f < a.n_frames(); ++f)
-      EXPECT_LE(distance(C_a[f], C_b[b.frame_index(a.frame(f).name)]), 10 * rounding);
+      EXPECT_LE(distance(C_a[f], C_b[b.frame_index(a.frame(f).name)]), 10 * to_rounding);
   }
 }
 
@@ -130,11 +129,11 @@ TEST(Structure, FixedBodiesMergeAndStayFrames) {
     const auto& from = *std::ranges::find(tree.bodies, name, &BodyDescription::name);
     const SE3<> on_b0 = inverse(reference_pose(tree, "b0")) * reference_pose(tree, name);
     M += transform(on_b0, inertia_from_com(from.inertia->mass, from.inertia->com, from.inertia->Theta));
-    EXPECT_LE(distance(model.frame(model.frame_index(name)).pose, on_b0), rounding) << name;
+    EXPECT_LE(distance(model.frame(model.frame_index(name)).pose, on_b0), to_rounding) << name;
   }
   EXPECT_LE(distance(model.body(1).M, M), 1e-12);
   EXPECT_LE(distance(model.body(2).B, inverse(reference_pose(tree, "b0")) * reference_pose(tree, "b3")),
-            rounding)
+            to_rounding)
       << "B is relative to the carrier";
 }
 
@@ -160,7 +159,7 @@ TEST(Structure, FixingABodyEqualsAJointThatRests) {
     }
     const std::vector<SE3<>> C_a = poses_of(a, q_a), C_b = poses_of(b, q_b);
     for (int f = 0; f < a.n_frames(); ++f)
-      EXPECT_LE(distance(C_a[f], C_b[b.frame_index(a.frame(f).name)]), 100 * rounding);
+      EXPECT_LE(distance(C_a[f], C_b[b.frame_index(a.frame(f).name)]), 100 * to_rounding);
     const std::vector<double> tau_a = torques(a, q_a, v_a, dv_a), tau_b = torques(b, q_b, v_b, dv_b);
     for (const Joint& joint : b.joints())
       EXPECT_NEAR(tau_a[a.joint(a.joint_index(joint.name)).iv], tau_b[joint.iv], 1e-10 * (1 + size(tau_a)));
@@ -186,8 +185,8 @@ TEST(Structure, BodiesFixedToTheGroundCarryMoversButAreNotMoved) {
   EXPECT_THAT(frame_names(model), ElementsAre("ground", "arm", "wall", "bracket"));
   EXPECT_EQ(model.total_mass(), 1) << "of what moves";
   EXPECT_EQ(model.body(0).M.m, 110) << "the ground has the rest";
-  EXPECT_LE(distance(model.body(1).A, on_wall * arm_on_wall), rounding);
-  EXPECT_LE(distance(pose_of(model, {0.7}, "bracket"), on_wall * arm_on_wall), rounding);
+  EXPECT_LE(distance(model.body(1).A, on_wall * arm_on_wall), to_rounding);
+  EXPECT_LE(distance(pose_of(model, {0.7}, "bracket"), on_wall * arm_on_wall), to_rounding);
 }
 
 TEST(Structure, AModelMayHaveNothingThatMoves) {
@@ -228,8 +227,8 @@ TEST(Structure, FramesSitWhereTheyAreDrawn) {
   const std::vector<SE3<>> at_zero = poses_of(model, {0, 0}), moved = poses_of(model, {0.3, -0.4});
   for (int f = 1; f <= 8; ++f) {
     const int k = model.frame_index(numbered('f', f));
-    EXPECT_LE(distance(at_zero[k], drawn[f - 1]), 10 * rounding);
-    EXPECT_LE(distance(moved[k], moved[model.frame(k).body] * model.frame(k).pose), 10 * rounding)
+    EXPECT_LE(distance(at_zero[k], drawn[f - 1]), 10 * to_rounding);
+    EXPECT_LE(distance(moved[k], moved[model.frame(k).body] * model.frame(k).pose), 10 * to_rounding)
         << "frames move with their body";
   }
   EXPECT_EQ(model.frame(model.frame_index("f1")).body, 0);
@@ -295,8 +294,8 @@ TEST(Structure, SplitJointsMoveAsTheirTwoScrews) {
     const SE3<> A = reference_pose(drawn, "b1");
     for (const Way way : ways) {
       const Model model = ModelBuilder(described(drawn, random, [&](auto) { return way; })).build();
-      EXPECT_LE(distance(pose_of(model, q, "b1"), exp(q[0] * Y1) * exp(q[1] * Y2) * A), 100 * rounding);
-      EXPECT_LE(distance(model.body(1).A, A), 10 * rounding) << "the body in between starts on the body";
+      EXPECT_LE(distance(pose_of(model, q, "b1"), exp(q[0] * Y1) * exp(q[1] * Y2) * A), 100 * to_rounding);
+      EXPECT_LE(distance(model.body(1).A, A), 10 * to_rounding) << "the body in between starts on the body";
     }
   }
 }
@@ -364,7 +363,7 @@ TEST(Structure, ACoupledJointMovesAndLoadsItsLeader) {
       dv_b[b.joint(i).iv] = k * dv[joint.iv];
     }
     const std::vector<SE3<>> C_a = poses_of(a, q), C_b = poses_of(b, q_b);
-    for (int f = 0; f < a.n_frames(); ++f) EXPECT_LE(distance(C_a[f], C_b[f]), 10 * rounding);
+    for (int f = 0; f < a.n_frames(); ++f) EXPECT_LE(distance(C_a[f], C_b[f]), 10 * to_rounding);
     for (const bool losses : {false, true}) {
       const std::vector<double> tau = torques(a, q, v, dv, losses),
                                 tau_b = torques(b, q_b, v_b, dv_b, losses);
@@ -455,8 +454,8 @@ TEST(Structure, AFreeBaseIsSetFreeWhereItWasFixed) {
                              C_loose = poses_of(loose, {0, 0, 0, 1, 0, 0, 0, 0.4});
     for (const Frame& frame : held.frames())
       EXPECT_LE(distance(C_held[held.frame_index(frame.name)], C_loose[loose.frame_index(frame.name)]),
-                10 * rounding);
-    EXPECT_NEAR(loose.total_mass(), robot.bodies[0].inertia->mass + robot.bodies[1].inertia->mass, rounding);
+                10 * to_rounding);
+    EXPECT_NEAR(loose.total_mass(), robot.bodies[0].inertia->mass + robot.bodies[1].inertia->mass, to_rounding);
   }
 }
 

@@ -20,7 +20,7 @@ Wrench<InFrames> W_jk(const Motion& m, int i, int j, int k) {
   return wrench(m.pose(i), m.M(i), m.frame_pair(j, k), V_jk(m, i, j, k), dV_jk(m, i, j, k));
 }
 /// M_i^s by definition.
-Mat6 M_s(const Motion& m, int i) { return m.M(i, m.frame<Spatial>(i)); }
+Mat6 M_spatial(const Motion& m, int i) { return m.M(i, m.frame<Spatial>(i)); }
 /// R_{j,k} = R_jᵀ R_k.
 SO3<> R(const Motion& m, int j, int k) { return m.C(j, k).R; }
 
@@ -69,7 +69,7 @@ TEST(Paper, NEij) {
 // ^jM_i = Ad_{C_j}ᵀ M_i^s Ad_{C_j}; the kinetic energy is ½ ^jVᵀ ^jM_i ^jV
 TEST(Paper, InertiaInFrameJ) {
   each_body_in_frame([](Equation& eq, const Motion& m, int i, int j) {
-    const Mat6 Ad_j = Ad(m.C(j)), M = Ad_j.transpose() * M_s(m, i) * Ad_j;
+    const Mat6 Ad_j = Ad(m.C(j)), M = Ad_j.transpose() * M_spatial(m, i) * Ad_j;
     const Vec6 V = now(m.V_of_t(i, m.C_of_t(j)));
     eq.holds(M_jk(m, i, j, j), M);
     eq.holds(m.M(i, m.C_of_t(j)), M);
@@ -128,7 +128,7 @@ TEST(Paper, InertiaMeasuredAtJResolvedInK) {
     const Mat6 jM = m.M(i, m.C_of_t(j)), Ad_R = Ad(R(m, j, k)), Ad_C_R = Ad(m.C(j)) * Ad_R;
     eq.holds(M_jk(m, i, j, k), m.M(i, m.frame_jk(j, k)));
     eq.holds(M_jk(m, i, j, k), Ad_R.transpose() * jM * Ad_R);
-    eq.holds(M_jk(m, i, j, k), Ad_C_R.transpose() * M_s(m, i) * Ad_C_R);
+    eq.holds(M_jk(m, i, j, k), Ad_C_R.transpose() * M_spatial(m, i) * Ad_C_R);
     const Mat6 Ad_printed = Ad(R(m, k, j));
     eq.fails(M_jk(m, i, j, k), Ad_printed.transpose() * jM * Ad_printed);
   });

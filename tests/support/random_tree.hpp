@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -76,6 +77,7 @@ Mechanism displaced(const SE3<>& D, Mechanism mechanism);
 
 /// The three ways in which the geometry of a body may be given.
 enum class Way { construction_frame, body_frame, joint_frames };
+inline constexpr std::array ways{Way::construction_frame, Way::body_frame, Way::joint_frames};
 
 /// The description of a body with its geometry given in one way. Its axis has a random length, and its point
 /// is any point of the axis.

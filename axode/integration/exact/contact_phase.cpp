@@ -13,7 +13,7 @@ namespace axode {
 namespace {
 
 /// Contacts for which memory is reserved.
-constexpr std::size_t capacity = 16;
+constexpr std::size_t phase_capacity = 16;
 /// A margin (m) beyond all distances.
 constexpr double everywhere = 1e6;
 
@@ -23,7 +23,7 @@ ContactPhase::ContactPhase(const Model& model, ContactShapes touching, bool dry_
     : model_(model),
       group_(model_.tree<double>()),
       finder_(std::move(touching)),
-      system_(model, finder_.shapes().contact_rows(), capacity, dry_friction),
+      system_(model, finder_.shapes().contact_rows(), phase_capacity, dry_friction),
       jets_(finder_.shapes()),
       motion_(model),
       C_(index(model.n_bodies()) + 1) {

@@ -12,7 +12,7 @@
 namespace axode {
 namespace {
 
-constexpr double accepted = 1e-9, precise = 1e-15;  // certificates
+constexpr double change_accepted = 1e-9, change_precise = 1e-15;  // certificates
 
 }  // namespace
 
@@ -58,8 +58,8 @@ std::string ContactPhase::decide(const Vector& q, const Vector& v, const Forces&
   const VelocityProblem& problem = system_.problem();
   Vector lambda = Vector::Zero(problem.rows());
   solver_.reserve(problem.nv(), problem.rows());
-  const VelocitySolution solution = solver_.solve(problem, lambda.data(), precise);
-  if (!solution.holds(accepted))
+  const VelocitySolution solution = solver_.solve(problem, lambda.data(), change_precise);
+  if (!solution.holds(change_accepted))
     return "no accelerations were found that obey the laws of contact (certificate " +
            to_text(solution.certificate) + ")" + instead;
   x_ = w_;
@@ -316,7 +316,7 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
   for (double part = 1; part >= 0; part -= 0.25) {
     for (std::size_t k = 0; k < closed.size(); ++k)
       if (restitution[k] > 0) problem.r[index(row_of(k))] = part * restitution[k] * u_[row_of(k)];
-    certificate = solver_.solve(problem, lambda.data(), precise).certificate;
+    certificate = solver_.solve(problem, lambda.data(), change_precise).certificate;
     x = problem.w;
     problem.add_product(1, lambda.data(), x.data());
     system_.push(x.data(), v_after.data());
@@ -328,7 +328,7 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
       work -= lambda[system_.first_loop_row() + it.row] * it.ds;
     if (!any || work <= rounding * problem.w.squaredNorm()) break;
   }
-  if (!(certificate <= accepted))
+  if (!(certificate <= change_accepted))
     return "no impulses were found that obey the laws of contact (certificate " + to_text(certificate) + ")" +
            instead;
   const double size = problem.w.norm() + (x - problem.w).norm();

@@ -5,7 +5,7 @@
 namespace axode {
 namespace {
 
-using Vector = Eigen::VectorXd;
+using Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -87,7 +87,7 @@ void ContactStepDerivative::set_axes(const std::vector<Contact>& contacts, Rows&
   }
 }
 
-ContactStepDerivative::Impulses ContactStepDerivative::set_rows(const Vector& q,
+ContactStepDerivative::Impulses ContactStepDerivative::set_rows(const VectorXd& q,
                                                                 const std::vector<Contact>& contacts,
                                                                 double h, double stop_margin,
                                                                 const std::vector<double>& lambda) {
@@ -98,11 +98,11 @@ ContactStepDerivative::Impulses ContactStepDerivative::set_rows(const Vector& q,
   system_.write(J.data());
   for (Eigen::Index row = 0; row < J.rows(); ++row)
     if (!problem.moves(index(row))) J.row(row).setZero();
-  return {J, Eigen::Map<const Vector>(problem.c.data(), problem.rows()),
-          Eigen::Map<const Vector>(lambda.data(), static_cast<Eigen::Index>(lambda.size()))};
+  return {J, Eigen::Map<const VectorXd>(problem.c.data(), problem.rows()),
+          Eigen::Map<const VectorXd>(lambda.data(), static_cast<Eigen::Index>(lambda.size()))};
 }
 
-Matrix ContactStepDerivative::impulse_changes(const Vector& q, const Rows& rows, const Vector& physical,
+Matrix ContactStepDerivative::impulse_changes(const VectorXd& q, const Rows& rows, const VectorXd& physical,
                                               const Matrix& dq) {
   Matrix out = Matrix::Zero(dq.rows(), dq.cols());
   const int width = system_.contact_rows();
@@ -113,8 +113,8 @@ Matrix ContactStepDerivative::impulse_changes(const Vector& q, const Rows& rows,
   LoopSystem<double>& loops = loops_.system(model_);
   const Eigen::Index nv = dq.rows(), m = model_.loops().rows;
   RowMajor by_q = RowMajor::Zero(m, nv), by_v = by_q, forces_by_q = RowMajor::Zero(nv, nv);
-  const Vector none = Vector::Zero(nv);
-  Vector force(nv);
+  const VectorXd none = VectorXd::Zero(nv);
+  VectorXd force(nv);
   loops.force(q.data(), none.data(), none.data(), {}, force.data());
   loops.make_rows(ConstraintLevel::velocity);
   loops.differentiate(physical.data() + system_.first_loop_row(), by_q.data(), by_v.data(),
@@ -122,8 +122,8 @@ Matrix ContactStepDerivative::impulse_changes(const Vector& q, const Rows& rows,
   return out + forces_by_q * dq;
 }
 
-Matrix ContactStepDerivative::velocity_changes(const Vector& q, const Vector& x, const Rows& rows,
-                                               const Matrix& dq, Vector& u) {
+Matrix ContactStepDerivative::velocity_changes(const VectorXd& q, const VectorXd& x, const Rows& rows,
+                                               const Matrix& dq, VectorXd& u) {
   const int width = system_.contact_rows();
   const Eigen::Index m = system_.problem().rows(), nv = dq.rows();
   Matrix out = Matrix::Zero(m, dq.cols());
@@ -138,8 +138,8 @@ Matrix ContactStepDerivative::velocity_changes(const Vector& q, const Vector& x,
   LoopSystem<double>& loops = loops_.system(model_);
   const Eigen::Index loop_rows = model_.loops().rows;
   RowMajor by_q = RowMajor::Zero(loop_rows, nv), by_v = by_q, forces_by_q = RowMajor::Zero(nv, nv);
-  const Vector none = Vector::Zero(nv), no_multipliers = Vector::Zero(loop_rows);
-  Vector force(nv);
+  const VectorXd none = VectorXd::Zero(nv), no_multipliers = VectorXd::Zero(loop_rows);
+  VectorXd force(nv);
   loops.force(q.data(), none.data(), x.data(), {}, force.data());
   loops.make_rows(ConstraintLevel::velocity);
   loops.differentiate(no_multipliers.data(), by_q.data(), by_v.data(), forces_by_q.data());

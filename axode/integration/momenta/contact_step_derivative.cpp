@@ -8,7 +8,7 @@
 namespace axode {
 namespace {
 
-using Vector = Eigen::VectorXd;
+using Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -101,7 +101,7 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
     if (!model_.loops().empty()) out.du_rolling = rolling_changes(part, out.rows, first, dp, out.dq, out.dv);
   }
   take_momenta(part.q_0, part.v_0, out.momenta);
-  Vector& v_a = out.v_a;
+  VectorXd& v_a = out.v_a;
   v_a = part.v_0;
   if (m > 0) v_a += out.momenta.factor.solve(first.J.transpose() * first.physical());
   // The momenta of a translation of a base do not contribute to the derivatives of its linear momenta by q,
@@ -112,11 +112,11 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
     by_parameters(whole) += parameter_changes_.momenta;
   }
   begin_bases(part, v_a, out.momenta.M, out.dq, whole);
-  const Vector e_0 = frame_velocity(0);
+  const VectorXd e_0 = frame_velocity(0);
   Matrix de_0 = Matrix::Zero(nv, k + m);
   add_frame_changes(0, 0, 1, out.dq, nullptr, &de_0);
   if (!bases_.empty()) {
-    const Vector v = part.v_0 - e_0;
+    const VectorXd v = part.v_0 - e_0;
     take_momenta(part.q_0, v, out.momenta);
     if (p_ > 0) parameter_changes_.run(part.q_0.data(), v.data(), along_);
   }
@@ -174,10 +174,10 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
 /// A multiplier is the impulse of a row at the start, divided by the coefficient of friction if it is a
 /// friction row of a contact.
 bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const Start& start,
-                                                  const Flight& flight, const Slip& middle, Vector& u,
+                                                  const Flight& flight, const Slip& middle, VectorXd& u,
                                                   Matrix& du) {
   const double h = part.h;
-  const Vector& q_1 = part.q_1;
+  const VectorXd& q_1 = part.q_1;
   const Eigen::Index nv = start.dq.rows(), m = start.first.lambda.size();
   const int width = system_.contact_rows();
   u.resize(m);
@@ -259,10 +259,10 @@ bool ContactStepDerivative::run(const ContactPart& part, Matrix& dq, Matrix& dv,
   const Eigen::Index k = dq.cols(), m = start.first.lambda.size();
   Matrix dlambda = Matrix::Zero(m, k);
   if (m > 0) {
-    Vector u;
+    VectorXd u;
     Matrix du;
     if (!take_start_velocities(part, start, flight, middle, u, du)) return false;
-    const Vector scaled = start.first.c.cwiseProduct(u);
+    const VectorXd scaled = start.first.c.cwiseProduct(u);
     du = start.first.c.asDiagonal() * du;
     if (start.friction.size() > 0) du += u.asDiagonal() * coefficient_changes(part.start, m, start.friction);
     const Matrix dv_a = start.momenta.factor.solve(start.dp.leftCols(k));

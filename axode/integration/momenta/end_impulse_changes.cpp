@@ -8,7 +8,7 @@
 namespace axode {
 namespace {
 
-using Vector = Eigen::VectorXd;
+using Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Joints = GroupDerivatives::Joints;
@@ -28,11 +28,11 @@ int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {
 bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle,
                                             const Matrix& dlambda, const Matrix& dp, const Matrix& friction,
                                             Matrix& dq, Matrix& dv) {
-  const Vector& q_1 = part.q_1;
+  const VectorXd& q_1 = part.q_1;
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_end.size()), nv = dq.rows(), k = dq.cols();
   const int width = system_.contact_rows();
   const Matrix none = Matrix::Zero(nv, k);
-  Vector v_1 = part.v_before_end;
+  VectorXd v_1 = part.v_before_end;
   Momenta at;
   Impulses last;
   Rows rows;
@@ -44,7 +44,7 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
   motion_.run(q_1.data(), v_1.data(), dq, none);
   if (!find(part.end, part.margin, rows)) return false;
   set_axes(part.end, rows);
-  const Vector v_moving = v_1 - frame_velocity(part.h);
+  const VectorXd v_moving = v_1 - frame_velocity(part.h);
   take_momenta(q_1, v_moving, at);
   Matrix momenta = dp - at.Mv_q * dq;
   if (p_ > 0) {
@@ -58,7 +58,7 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
   add_frame_changes(part.h, 0, 1, dq, nullptr, &dv);
   if (m == 0) return true;
 
-  Vector u;
+  VectorXd u;
   Matrix du = velocity_changes(q_1, v_1, rows, dq, u) + last.J * dv;
   for (std::size_t c = 0; c < part.end.size(); ++c) {
     const Contact& contact = part.end[c];
@@ -117,7 +117,7 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
     u[row] = 0;
     du.row(row) = -C * dlambda.row(row_0);
   }
-  const Vector scaled = last.c.cwiseProduct(u);
+  const VectorXd scaled = last.c.cwiseProduct(u);
   const LawDerivative law =
       differentiate_law(system_.problem(), part.lambda_end.data(), scaled.data(), G, last.c.asDiagonal() * du,
                         mass_norm(at.M, v_1), mass_norm(at.M, dv));
@@ -134,7 +134,7 @@ bool ContactStepDerivative::move_apart(const ContactPart& part, Matrix& dq) {
       set_rows(part.q_1, part.apart, 0, std::numeric_limits<double>::infinity(), part.lambda_apart);
   Momenta at;
   take_momenta(part.q_1, part.v_before_end, at);
-  const Vector y = at.factor.solve(apart.J.transpose() * apart.physical());
+  const VectorXd y = at.factor.solve(apart.J.transpose() * apart.physical());
   take_momenta(part.q_1, y, at);
   motion_.run(part.q_1.data(), y.data(), dq, Matrix::Zero(nv, k));
   Rows rows;
@@ -146,7 +146,7 @@ bool ContactStepDerivative::move_apart(const ContactPart& part, Matrix& dq) {
     by_parameters(momenta) -= parameter_changes_.momenta;
   }
   Matrix dy = at.factor.solve(momenta);
-  Vector u;
+  VectorXd u;
   Matrix du = velocity_changes(part.q_1, y, rows, dq, u) + apart.J * dy;
   const std::span<const double> room = system_.room();
   for (std::size_t c = 0; c < part.apart.size(); ++c) {
@@ -175,7 +175,7 @@ bool ContactStepDerivative::move_apart(const ContactPart& part, Matrix& dq) {
   }
   Matrix G(m, m);
   system_.problem().delassus(G);
-  const Vector scaled = apart.c.cwiseProduct(u);
+  const VectorXd scaled = apart.c.cwiseProduct(u);
   const double size = mass_norm(at.M, y);
   const LawDerivative law = differentiate_law(system_.problem(), part.lambda_apart.data(), scaled.data(), G,
                                               apart.c.asDiagonal() * du, size, mass_norm(at.M, dq));

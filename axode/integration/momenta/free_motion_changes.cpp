@@ -7,17 +7,17 @@
 namespace axode {
 namespace {
 
-using Vector = Eigen::VectorXd;
+using Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Joints = GroupDerivatives::Joints;
 
-std::span<const double> entries(const Vector& x) { return {x.data(), index(x.size())}; }
+std::span<const double> entries(const VectorXd& x) { return {x.data(), index(x.size())}; }
 std::span<double> entries(RowMajor& x) { return {x.data(), index(x.size())}; }
 
 }  // namespace
 
-void ContactStepDerivative::take_momenta(const Vector& q, const Vector& v, Momenta& out) {
+void ContactStepDerivative::take_momenta(const VectorXd& q, const VectorXd& v, Momenta& out) {
   const Eigen::Index nv = v.size();
   for (Matrix* x : {&out.M, &out.Mv_q, &out.F_q, &out.F_v}) x->resize(nv, nv);
   mass_matrix(model_, workspace_, Numbers<double>(entries(q)), std::span(out.M.data(), index(nv * nv)));
@@ -25,18 +25,18 @@ void ContactStepDerivative::take_momenta(const Vector& q, const Vector& v, Momen
   out.factor.compute(out.M);
 }
 
-Matrix ContactStepDerivative::Ad_transpose(const Vector& y, Matrix x) const {
+Matrix ContactStepDerivative::Ad_transpose(const VectorXd& y, Matrix x) const {
   for (Eigen::Index k = 0; k < x.cols(); ++k) group_.Ad_transpose(y.data(), x.col(k).data(), x.col(k).data());
   return x;
 }
 
-Matrix ContactStepDerivative::dexp_transpose(const Vector& y, Matrix x) const {
+Matrix ContactStepDerivative::dexp_transpose(const VectorXd& y, Matrix x) const {
   for (Eigen::Index k = 0; k < x.cols(); ++k)
     group_.dexp_transpose(y.data(), x.col(k).data(), x.col(k).data());
   return x;
 }
 
-Matrix ContactStepDerivative::turn_of(const Vector& y, const Vector& p, bool Ad) const {
+Matrix ContactStepDerivative::turn_of(const VectorXd& y, const VectorXd& p, bool Ad) const {
   // The maps do not mix joints, so that the same direction serves the k-th
   // velocities of all joints.
   const Eigen::Index nv = y.size();
@@ -63,10 +63,10 @@ Matrix ContactStepDerivative::turn_of(const Vector& y, const Vector& p, bool Ad)
 }
 
 /// Computes the velocity of the moving frame of each floating base from its linear momentum, and its changes.
-void ContactStepDerivative::begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M,
+void ContactStepDerivative::begin_bases(const ContactPart& part, const VectorXd& v_a, const Matrix& M,
                                         const Matrix& dq, const Matrix& dp) {
   bases_.clear();
-  const Vector p = M * v_a;
+  const VectorXd p = M * v_a;
   for (const ContactPart::Base& base : part.bases) {
     const Eigen::Index first = tree_->operator->()->iv[index(base.body)];
     const Eigen::Matrix3d R = to_eigen(motion_.poses()[index(base.body)].R);
@@ -90,8 +90,8 @@ void ContactStepDerivative::begin_bases(const ContactPart& part, const Vector& v
 }
 
 /// Velocities of the moving frames of floating bases at the poses of motion_, as velocities of their joints.
-Vector ContactStepDerivative::frame_velocity(double t) const {
-  Vector e = Vector::Zero(model_.nv());
+VectorXd ContactStepDerivative::frame_velocity(double t) const {
+  VectorXd e = VectorXd::Zero(model_.nv());
   for (const Base& base : bases_) {
     const SO3<> R = motion_.poses()[index(base.body)].R;
     e.segment<3>(base.first + 3) = to_eigen(transpose(R) * (base.u + t * tree_->g));
@@ -109,7 +109,7 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
 /// receives the changes of the displacement of the frame since the start; of_place must then be `time`.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
-  const Vector e = frame_velocity(time);
+  const VectorXd e = frame_velocity(time);
   for (const Base& base : bases_) {
     const Eigen::Matrix3d Rt = to_eigen(motion_.poses()[index(base.body)].R).transpose();
     const Eigen::Matrix3d turn_e = skew(from_eigen<Vec3<>>(e.segment<3>(base.first + 3)));
@@ -129,11 +129,11 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
                                               const Impulses& first, const Matrix& dp, const Matrix& dq,
                                               const Matrix& dv) {
   const Eigen::Index nv = dq.rows();
-  Vector weight(nv), velocity = part.v_0;
-  system_.bias_forces(part.q_0.data(), Vector::Zero(nv).eval().data(), {}, weight.data());
+  VectorXd weight(nv), velocity = part.v_0;
+  system_.bias_forces(part.q_0.data(), VectorXd::Zero(nv).eval().data(), {}, weight.data());
   Momenta at;
   take_momenta(part.q_0, part.v_0, at);
-  const Vector gain = at.factor.solve(first.J.transpose() * first.physical() - part.h / 2 * weight);
+  const VectorXd gain = at.factor.solve(first.J.transpose() * first.physical() - part.h / 2 * weight);
   velocity += gain;
   take_momenta(part.q_0, gain, at);
   RowMajor gravity(nv, nv);
@@ -144,7 +144,7 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
     by_parameters(momenta) += part.h / 2 * parameter_changes_.gravity - parameter_changes_.momenta;
   }
   const Matrix dvelocity = dv + at.factor.solve(momenta);
-  Vector u;
+  VectorXd u;
   const Matrix du = velocity_changes(part.q_0, velocity, start, dq, u) + first.J * dvelocity;
   return du.bottomRows(model_.loops().rows);
 }
@@ -157,22 +157,22 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
 /// its subtree. Adds to df the changes of f at constant q and v along the directions in which the step is
 /// differentiated: those by the parameters of the mechanism, from parameter_changes_, and those of the forces
 /// of springs, which depend on the motion of the moving frames.
-void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
+void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const VectorXd& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;
   const Eigen::Index nv = v_m.size();
-  const Vector p_m = at_m.M * v_m;
+  const VectorXd p_m = at_m.M * v_m;
   const Matrix none = Matrix::Zero(nv, df.cols());
   f_q = at_m.F_q;
   f_v = at_m.F_v;
   if (!group_.commutes()) {
-    Vector x(nv);
+    VectorXd x(nv);
     for (Eigen::Index c = 0; c < nv; ++c) {
       group_.ad_transpose(v_m, at_m.Mv_q.col(c).data(), x);
       f_q.col(c) -= x;
       group_.ad_transpose(v_m, at_m.M.col(c).data(), x);
       f_v.col(c) -= x;
-      group_.ad_transpose(Vector::Unit(nv, c).eval(), p_m, x);
+      group_.ad_transpose(VectorXd::Unit(nv, c).eval(), p_m, x);
       f_v.col(c) -= x;
     }
   }
@@ -199,7 +199,7 @@ void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& 
     Matrix along_frames = none, velocities = none, turned = Matrix::Zero(nv, nv);
     add_frame_changes(h / 2, h / 2, 1, none, &along_frames, &velocities);
     df += by_place * along_frames + by_velocity * velocities;
-    const Vector e = frame_velocity(h / 2);
+    const VectorXd e = frame_velocity(h / 2);
     for (const Base& base : bases_)
       turned.block<3, 3>(base.first + 3, base.first) = skew(from_eigen<Vec3<>>(e.segment<3>(base.first + 3)));
     f_q += by_place + by_velocity * turned;
@@ -214,13 +214,13 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
   const Matrix none = Matrix::Zero(nv, k + m);
   Momenta at_m, at_1;
   Flight out;
-  Vector v_m = part.v_middle;
+  VectorXd v_m = part.v_middle;
   const Matrix no_direction(nv, 0);
   motion_.run(part.q_middle.data(), part.v_middle.data(), no_direction, no_direction);
   v_m -= frame_velocity(h / 2);
   take_momenta(part.q_middle, v_m, at_m);
-  const Vector y = h / 2 * v_m;
-  const Vector& p_0 = start.p;
+  const VectorXd y = h / 2 * v_m;
+  const VectorXd& p_0 = start.p;
   maps_.at(y.data(), y.data());
   Matrix carry = Matrix::Zero(nv, k + m), by_v = Matrix::Zero(nv, nv);
   maps_.add(&Joints::carry, start.dq, carry);
@@ -228,11 +228,11 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
   if (p_ > 0) parameter_changes_.run(part.q_middle.data(), v_m.data(), along_);
   Matrix f_q, f_v, df = start.dtau;
   take_forces(part, at_m, v_m, f_q, f_v, df);
-  const Vector q_1 = part.q_1;
+  const VectorXd q_1 = part.q_1;
   motion_.run(q_1.data(), part.v_before_end.data(), no_direction, no_direction);
-  const Vector v_b = part.v_before_end - frame_velocity(h);
+  const VectorXd v_b = part.v_before_end - frame_velocity(h);
   take_momenta(q_1, v_b, at_1);
-  const Vector p_plus = Ad_transpose(-y, at_1.M * v_b);
+  const VectorXd p_plus = Ad_transpose(-y, at_1.M * v_b);
   const Matrix f_by_v = f_q * by_v + f_v, turn_0 = h / 2 * turn_of(y, p_0, true);
   const Matrix p_plus_by_v = turn_0 + h * f_by_v;
   const Matrix N = at_m.M + at_m.Mv_q * by_v - h / 2 * turn_of(y, (p_0 + p_plus) / 2, false) -

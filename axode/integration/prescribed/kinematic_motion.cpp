@@ -14,7 +14,7 @@
 namespace axode {
 namespace {
 
-using Vector = Eigen::VectorXd;
+using Eigen::VectorXd;
 using Rows = LoopSystem<double>::RowByRow;
 
 /// Newton's method has converged if a step is at most this, rad or m.
@@ -30,7 +30,7 @@ constexpr double shortest = 1e-11;
 /// The state of the mechanism at one time, with accelerations and jerks.
 struct Instant {
   double t = 0;
-  Vector q, v, a, jerk;
+  VectorXd q, v, a, jerk;
 };
 
 class KinematicSolver {
@@ -47,9 +47,9 @@ class KinematicSolver {
   /// Moves q by Newton's method to a configuration that closes the loops and follows the prescribed motions
   /// at time t. Returns false if the method does not converge or q moves too far: the largest entries of the
   /// displacements of all iterations may add up to at most `reach` (rad or m).
-  bool close(double t, double reach, Vector& q) {
+  bool close(double t, double reach, VectorXd& q) {
     motions_.impose(t, system_);
-    const Vector before = q;
+    const VectorXd before = q;
     Rows R(r_.size(), model_.nv());
     double moved = 0;
     for (int n = 0; n < most_iterations; ++n) {
@@ -57,7 +57,7 @@ class KinematicSolver {
       system_.residual(q.data(), r_.data());
       system_.make_rows(ConstraintLevel::position);
       system_.write(R.data());
-      const Vector step = -R.completeOrthogonalDecomposition().solve(r_);
+      const VectorXd step = -R.completeOrthogonalDecomposition().solve(r_);
       if (!step.allFinite()) return false;
       group_.move(q, step, q);
       moved += step.lpNorm<Eigen::Infinity>();
@@ -70,7 +70,7 @@ class KinematicSolver {
   /// Computes velocities, accelerations and jerks at a closed q that follows the prescribed motions (D12.5).
   void differentiate(Instant& at) {
     const Eigen::Index nv = model_.nv();
-    Vector s_1 = Vector::Zero(rows_.size()), s_3 = s_1;
+    VectorXd s_1 = VectorXd::Zero(rows_.size()), s_3 = s_1;
     motions_.impose(at.t, system_);
     for (const MotionRows::Row& row : motions_.rows()) {
       const MotionValue value = row.function(at.t);
@@ -91,7 +91,7 @@ class KinematicSolver {
     system_.force(at.q.data(), at.v.data(), at.a.data(), {}, forces_.data());
     system_.make_rows(ConstraintLevel::velocity);
     Rows by_q = Rows::Zero(rows_.size(), nv), by_v = by_q, unused = Rows::Zero(nv, nv);
-    const Vector lambda = Vector::Zero(rows_.size());
+    const VectorXd lambda = VectorXd::Zero(rows_.size());
     system_.differentiate(lambda.data(), by_q.data(), by_v.data(), unused.data());
     at.jerk = factor.solve(s_3 - by_q * at.v - by_v * at.a);
     freedom_ = nv - factor.rank();
@@ -112,7 +112,7 @@ class KinematicSolver {
       const bool last = h >= t - at.t;
       Instant next{last ? t : at.t + h, at.q, {}, {}, {}};
       const double tau = next.t - at.t;
-      const Vector x = tau * (at.v + tau / 2 * (at.a + tau / 3 * at.jerk));
+      const VectorXd x = tau * (at.v + tau / 2 * (at.a + tau / 3 * at.jerk));
       const double length = x.lpNorm<Eigen::Infinity>();
       bool good = length <= longest;
       if (good) {
@@ -141,7 +141,7 @@ class KinematicSolver {
   const Model& model_;
   LoopSystem<double> system_;
   ConfigurationGroup<double> group_;
-  Vector r_, rows_, forces_;
+  VectorXd r_, rows_, forces_;
   Eigen::Index freedom_ = 0;
 };
 

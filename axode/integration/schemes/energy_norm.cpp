@@ -3,17 +3,17 @@
 namespace axode {
 namespace {
 
-using Vector = EnergyNorm::Vector;
+using Eigen::VectorXd;
 
 /// The Euclidean norm of the weighted numbers x, also if the squares of its entries overflow.
-double length_of(const Vector& weights, const EnergyNorm::Argument& x) {
+double length_of(const VectorXd& weights, const EnergyNorm::Argument& x) {
   const auto weighted = weights.cwiseProduct(x);
   const double norm = weighted.norm();
   return std::isfinite(norm) ? norm : weighted.stableNorm();
 }
 
-Vector inertia_of(const Tree<double>& tree) {
-  Vector m = Vector::Zero(tree->nv);
+VectorXd inertia_of(const Tree<double>& tree) {
+  VectorXd m = VectorXd::Zero(tree->nv);
   for (int i = 1; i <= tree->n; ++i)
     for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
       m[tree->iv[i] + s - tree->first_screw[i]] += std::pow(tree.ratio[i], 2) * tree.inertia_scale[s];
@@ -22,9 +22,9 @@ Vector inertia_of(const Tree<double>& tree) {
 
 }  // namespace
 
-EnergyNorm::EnergyNorm(const Vector& inertia)
+EnergyNorm::EnergyNorm(const VectorXd& inertia)
     : root_(inertia.cwiseSqrt()),
-      inverse_root_((root_.array() > 0).select(root_.cwiseInverse(), Vector::Zero(root_.size()))) {}
+      inverse_root_((root_.array() > 0).select(root_.cwiseInverse(), VectorXd::Zero(root_.size()))) {}
 
 EnergyNorm::EnergyNorm(const Tree<double>& tree) : EnergyNorm(inertia_of(tree)) {}
 
