@@ -8,13 +8,6 @@
 
 namespace axode {
 
-/// Writes the components of a to the entries k, k + 1 and k + 2 of an array x of numbers.
-template <class T, class Numbers> constexpr void write_vector(const Vec3<T>& a, Numbers& x, int k) {
-  x[k] = a.x;
-  x[k + 1] = a.y;
-  x[k + 2] = a.z;
-}
-
 /// The inertia M, the Coriolis inertia B and the wrench F of a body, or their sums over bodies. F is the
 /// wrench that the joints of a body must exert on it for its motion under gravity and applied wrenches. For a
 /// twist X = (w; v), B X is the wrench that gives mass elements with velocities r' the Coriolis acceleration
@@ -39,16 +32,25 @@ template <class T> struct MovingInertia {
   }
   /// Writes all members to an array x of numbers.
   template <class Numbers> constexpr void to(Numbers& x) const {
+    const auto set = [&](const Vec3<T>& a, int k) {
+      x[k] = a.x;
+      x[k + 1] = a.y;
+      x[k + 2] = a.z;
+    };
     x[0] = M.m;
-    write_vector(M.h, x, 1);
-    write_vector(Vec3<T>{M.Theta.xx, M.Theta.yy, M.Theta.zz}, x, 4);
-    write_vector(Vec3<T>{M.Theta.xy, M.Theta.xz, M.Theta.yz}, x, 7);
-    write_vector(B.D.x, x, 10);
-    write_vector(B.D.y, x, 13);
-    write_vector(B.D.z, x, 16);
-    write_vector(B.p, x, 19);
-    write_vector(F.m, x, moment);
-    write_vector(F.f, x, force);
+    set(M.h, 1);
+    x[4] = M.Theta.xx;
+    x[5] = M.Theta.yy;
+    x[6] = M.Theta.zz;
+    x[7] = M.Theta.xy;
+    x[8] = M.Theta.xz;
+    x[9] = M.Theta.yz;
+    set(B.D.x, 10);
+    set(B.D.y, 13);
+    set(B.D.z, 16);
+    set(B.p, 19);
+    set(F.m, moment);
+    set(F.f, force);
   }
 
   [[gnu::always_inline]] static constexpr MovingInertia of(const Inertia<T>& M, const Motion6<T>& V,

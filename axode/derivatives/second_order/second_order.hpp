@@ -28,12 +28,17 @@ template <class T> struct VirtualMomentum {
   }
   /// Writes all members to an array x of numbers.
   template <class Numbers> constexpr void to(Numbers& x) const {
-    write_vector(A.m, x, 0);
-    write_vector(A.f, x, 3);
-    write_vector(H, x, 6);
-    write_vector(D.x, x, 9);
-    write_vector(D.y, x, 12);
-    write_vector(D.z, x, 15);
+    const auto set = [&](const Vec3<T>& a, int k) {
+      x[k] = a.x;
+      x[k + 1] = a.y;
+      x[k + 2] = a.z;
+    };
+    set(A.m, 0);
+    set(A.f, 3);
+    set(H, 6);
+    set(D.x, 9);
+    set(D.y, 12);
+    set(D.z, 15);
   }
 
   static constexpr VirtualMomentum of(const MovingInertia<T>& body, const Motion6<T>& Lambda) {
@@ -326,10 +331,8 @@ template <class T> struct SecondOrder {
     Number qq = product(d, chi, r, e, Part::P, c) + product(e, Part::psi_2, r, d, Y, c) +
                 product(d, psi_1, r, d, X, c);
     if (loaded) qq = qq + product(e, Part::S, r, d, Q, c);
-    const Number qv = product(d, chi, r, e, Part::R, c) + product(d, psi_1, r, d, Z, c);
-    const Number vv = product(e, Part::S, r, d, Z, c);
-    const Number aq = product(e, Part::S, r, d, Y, c);
-    return {qq, qv, vv, aq};
+    return {qq, product(d, chi, r, e, Part::R, c) + product(d, psi_1, r, d, Z, c),
+            product(e, Part::S, r, d, Z, c), product(e, Part::S, r, d, Y, c)};
   }
   /// Returns the second derivatives (D2.8) of λ·τ by the pairs of variables (q, q), (q, v), (v, v) and (a,
   /// q), in row r and the columns c, c + 1, ... of the matrix of each pair, one column in each lane. Row r is
@@ -341,10 +344,8 @@ template <class T> struct SecondOrder {
     Number qq = product(e, Part::P, r, d, chi, c) + product(d, Y, r, e, Part::psi_2, c) +
                 product(d, X, r, d, psi_1, c);
     if (loaded) qq = qq + product(d, Q, r, e, Part::S, c);
-    const Number qv = product(d, Y, r, e, Part::sigma, c) + product(d, X, r, e, Part::S, c);
-    const Number vv = product(d, Z, r, e, Part::S, c);
-    const Number aq = product(e, Part::U, r, d, chi, c);
-    return {qq, qv, vv, aq};
+    return {qq, product(d, Y, r, e, Part::sigma, c) + product(d, X, r, e, Part::S, c),
+            product(d, Z, r, e, Part::S, c), product(e, Part::U, r, d, chi, c)};
   }
   /// The products of a six-vector of row r with the six-vectors of the columns from c on, one in each lane.
   [[gnu::always_inline]] static Number product(const Arrays<T>& of_row, int i, int r,
