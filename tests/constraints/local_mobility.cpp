@@ -334,7 +334,7 @@ TEST(LocalMobility, RefusesWhatItCannotAnswer) {
 /// The coefficients of a 4 × 4 matrix that depends on t.
 using MatrixSeries = std::vector<Eigen::Matrix4d>;
 
-MatrixSeries product(const MatrixSeries& a, const MatrixSeries& b) {
+MatrixSeries product_of_series(const MatrixSeries& a, const MatrixSeries& b) {
   MatrixSeries out(a.size(), Eigen::Matrix4d::Zero());
   for (std::size_t k = 0; k < a.size(); ++k)
     for (std::size_t j = 0; j <= k; ++j) out[k] += a[j] * b[k - j];
@@ -346,7 +346,7 @@ MatrixSeries exponential(const MatrixSeries& X) {
   MatrixSeries out(X.size(), Eigen::Matrix4d::Zero()), term = out;
   out[0] = term[0] = Eigen::Matrix4d::Identity();
   for (std::size_t k = 1; k < X.size(); ++k) {
-    term = product(term, X);
+    term = product_of_series(term, X);
     for (std::size_t j = 0; j < X.size(); ++j) out[j] += (term[j] /= double(k));
   }
   return out;
@@ -382,13 +382,13 @@ TEST(ClosureDerivatives, AreThoseOfTheProductOfMatrices) {
             X[k] += derivatives(joint.coordinates[m], Eigen::Index(k) - 1) / (factorial *= double(k)) *
                     hat(joint.S[m]);
         }
-        f = product(f, exponential(X));
+        f = product_of_series(f, exponential(X));
       }
       for (std::size_t k = 0; k < K; ++k) df[k] = double(k + 1) * f[k + 1];
       inverse[0].setIdentity();
       for (std::size_t k = 1; k <= K; ++k)
         for (std::size_t j = 1; j <= k; ++j) inverse[k] -= f[j] * inverse[k - j];
-      const MatrixSeries V = product(df, inverse);
+      const MatrixSeries V = product_of_series(df, inverse);
       Eigen::MatrixXd expected(6, K);
       double factorial = 1;
       for (std::size_t k = 0; k < K; ++k) {

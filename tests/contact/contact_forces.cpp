@@ -7,14 +7,13 @@
 #include "axode/dynamics.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/kinematics.hpp"
+#include "tests/contact/scene.hpp"
 #include "tests/contact/two_shapes.hpp"
 #include "tests/support/comparison.hpp"
 
 /// Points of contact with their forces: in trajectories and at rest.
 namespace axode::test {
 namespace {
-
-constexpr double g = 9.81;
 
 ShapeDescription with_friction(ShapeDescription shape, double friction, double restitution = 0) {
   shape.contact.friction = friction;
@@ -26,7 +25,6 @@ ShapeDescription box(double friction) {
 }
 /// A free body at a place on a floor.
 Model on_floor(const ShapeDescription& shape) { return with_floor(free_bodies({shape})); }
-std::vector<double> at(const Vec3<>& r) { return {0, 0, 0, 1, r.x, r.y, r.z}; }
 
 Vec3<> sum(std::span<const ContactForce> contacts) {
   Vec3<> total;

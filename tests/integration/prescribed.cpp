@@ -15,9 +15,9 @@
 namespace axode::test {
 namespace {
 
+using Eigen::VectorXd;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-using Eigen::VectorXd;
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// A wave with the value s and the rate ds at 0.
@@ -84,7 +84,7 @@ TEST(PrescribedMotions, OfTreesTakeTheForcesThatThePartitionOfTheMassMatrixGives
 }
 
 /// A method of integration with the coordinates in which it is tested, and its order.
-struct Way {
+struct WayToFollow {
   std::string_view method;
   Coordinates coordinates = Coordinates::relative;
   double order = 0;
@@ -103,26 +103,26 @@ struct Way {
                                  .options = options});
   }
 };
-constexpr Way ways[]{{"dopri5"},
-                     {"rk4", Coordinates::relative, 4},
-                     {"euler", Coordinates::relative, 1},
-                     {"generalized_alpha", Coordinates::relative, 2},
-                     {"midpoint", Coordinates::relative, 2},
-                     {"suzuki4", Coordinates::relative, 4},
-                     {"kahan_li6", Coordinates::relative, 6},
-                     {"rk4_momenta", Coordinates::relative, 4},
-                     {"contact", Coordinates::relative, 2},
-                     {"contact_exact"},
-                     {"dopri5", Coordinates::absolute},
-                     {"rk4", Coordinates::absolute, 4},
-                     {"rk4", Coordinates::absolute_SO3xR3, 4},
-                     {"rattle", Coordinates::absolute, 2},
-                     {"rattle", Coordinates::absolute_SO3xR3, 2},
-                     {"rattle_suzuki4", Coordinates::absolute, 4},
-                     {"rattle_kahan_li6", Coordinates::absolute_SO3xR3, 6},
-                     {"half_explicit", Coordinates::absolute, 3},
-                     {"generalized_alpha", Coordinates::absolute, 2},
-                     {"generalized_alpha_index3", Coordinates::absolute, 2}};
+constexpr WayToFollow ways_to_follow[]{{"dopri5"},
+                                       {"rk4", Coordinates::relative, 4},
+                                       {"euler", Coordinates::relative, 1},
+                                       {"generalized_alpha", Coordinates::relative, 2},
+                                       {"midpoint", Coordinates::relative, 2},
+                                       {"suzuki4", Coordinates::relative, 4},
+                                       {"kahan_li6", Coordinates::relative, 6},
+                                       {"rk4_momenta", Coordinates::relative, 4},
+                                       {"contact", Coordinates::relative, 2},
+                                       {"contact_exact"},
+                                       {"dopri5", Coordinates::absolute},
+                                       {"rk4", Coordinates::absolute, 4},
+                                       {"rk4", Coordinates::absolute_SO3xR3, 4},
+                                       {"rattle", Coordinates::absolute, 2},
+                                       {"rattle", Coordinates::absolute_SO3xR3, 2},
+                                       {"rattle_suzuki4", Coordinates::absolute, 4},
+                                       {"rattle_kahan_li6", Coordinates::absolute_SO3xR3, 6},
+                                       {"half_explicit", Coordinates::absolute, 3},
+                                       {"generalized_alpha", Coordinates::absolute, 2},
+                                       {"generalized_alpha_index3", Coordinates::absolute, 2}};
 
 /// The sum of force times rate of all motions.
 double power_at(const Trajectory& motion, const std::vector<PrescribedMotion>& motions, double t) {
@@ -156,9 +156,10 @@ TEST(PrescribedMotions, AreFollowedAndTheirPowerIsTheChangeOfTheEnergy) {
     ++tested;
     const double end = 0.2;
     // The orders of methods are tested below.
-    const Way& way = seed % 3 == 0   ? ways[0]
-                     : seed % 3 == 1 ? *std::ranges::find(ways, "kahan_li6", &Way::method)
-                                     : *std::ranges::find(ways, "rattle_kahan_li6", &Way::method);
+    const WayToFollow& way =
+        seed % 3 == 0   ? ways_to_follow[0]
+        : seed % 3 == 1 ? *std::ranges::find(ways_to_follow, "kahan_li6", &WayToFollow::method)
+                        : *std::ranges::find(ways_to_follow, "rattle_kahan_li6", &WayToFollow::method);
     SCOPED_TRACE(way.method);
     const Trajectory motion = way.run(mover.model, mover.state.q, mover.state.v, end, 1e-3, options);
     ASSERT_TRUE(motion.complete) << motion.stop_reason;
@@ -199,7 +200,8 @@ TEST(PrescribedMotions, LeaveTheMomentaOfAFloatingMechanismAsTheyAre) {
     return Eigen::Vector<double, 6>{l.x, l.y, l.z, p.x, p.y, p.z};
   };
   for (const char* method : {"midpoint", "kahan_li6", "rk4_momenta", "contact"}) {
-    const Way& way = *std::ranges::find(ways, std::string_view(method), &Way::method);
+    const WayToFollow& way =
+        *std::ranges::find(ways_to_follow, std::string_view(method), &WayToFollow::method);
     const Trajectory motion = way.run(model, state.q, state.v, 2, 0.02, options);
     ASSERT_TRUE(motion.complete) << motion.stop_reason;
     const auto before = momentum(state.q, state.v);
@@ -255,7 +257,7 @@ TEST(PrescribedMotions, ThatCannotBeFollowedEndAtTheFoldAndNameIt) {
   EXPECT_THAT(motion.stop_reason,
               HasSubstr("the motion of \"slide\" would need speeds and forces without bound"));
   EXPECT_THAT(motion.stop_reason, HasSubstr("\"turn\" and \"knee\" would move without it"));
-  for (const Way& way : ways) {
+  for (const WayToFollow& way : ways_to_follow) {
     SCOPED_TRACE(std::string(way.method) + " in coordinates " + std::string(to_string(way.coordinates)));
     const Trajectory ended = way.run(model, first.q, first.v, 2 * fold, fold / 200);
     EXPECT_FALSE(ended.complete);
@@ -347,7 +349,7 @@ TEST(PrescribedMotions, HaveTheOrderOfTheMethod) {
   q.push_back(0);
   const AssemblyResult start = assemble(model, q, Numbers(4));
   const Trajectory exact = simulate(model, start.q, start.v, 0.5, {.relative = 1e-12, .absolute = 1e-13});
-  for (const Way& way : ways) {
+  for (const WayToFollow& way : ways_to_follow) {
     SCOPED_TRACE(std::string(way.method) + " in coordinates " + std::string(to_string(way.coordinates)));
     const auto error = [&](double step) {
       const Trajectory motion = way.run(model, start.q, start.v, 0.5, step);

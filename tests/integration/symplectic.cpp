@@ -7,7 +7,7 @@
 namespace axode::test {
 namespace {
 
-using Matrix = Eigen::MatrixXd;
+using Eigen::MatrixXd;
 
 /// A mechanism in motion, away from the configuration in which it is drawn.
 struct MovingMechanism {
@@ -38,10 +38,10 @@ Description random_loop_of_five(Random<double>& random) {
 }
 
 /// The symplectic form dqᵀ dp' - dq'ᵀ dp + p [dq, dq'] for all pairs of columns (dq, dp) of Z.
-Matrix form(const ConfigurationGroup<double>& group, const Numbers& p, const Matrix& Z) {
+MatrixXd form(const ConfigurationGroup<double>& group, const Numbers& p, const MatrixXd& Z) {
   const auto nv = static_cast<Eigen::Index>(p.size());
-  const Matrix dq = Z.topRows(nv), dp = Z.bottomRows(nv);
-  Matrix turning(nv, Z.cols());
+  const MatrixXd dq = Z.topRows(nv), dp = Z.bottomRows(nv);
+  MatrixXd turning(nv, Z.cols());
   for (Eigen::Index k = 0; k < Z.cols(); ++k)
     group.ad_transpose(dq.col(k).data(), p.data(), turning.col(k).data());
   return dq.transpose() * dp - dp.transpose() * dq - dq.transpose() * turning;
@@ -70,7 +70,7 @@ template <class Run> double form_error(const MovingMechanism& mechanism, const R
   };
   const std::array own = ends_of_step(mechanism.at);
   constexpr double e = 1e-3;
-  Matrix Z(4 * nv, 2 * nv);  // the tangents at both ends of the step
+  MatrixXd Z(4 * nv, 2 * nv);  // the tangents at both ends of the step
   for (Eigen::Index k = 0; k < 2 * nv; ++k) {
     const auto moved = [&](double by) {
       Numbers x(mechanism.at.v.size()), v = mechanism.at.v;
@@ -86,8 +86,8 @@ template <class Run> double form_error(const MovingMechanism& mechanism, const R
     };
     Z.col(k) = (8 * (moved(e) - moved(-e)) - (moved(2 * e) - moved(-2 * e))) / (12 * e);
   }
-  const Matrix before = form(group, own[0].p, Z.topRows(2 * nv)),
-               after = form(group, own[1].p, Z.bottomRows(2 * nv));
+  const MatrixXd before = form(group, own[0].p, Z.topRows(2 * nv)),
+                 after = form(group, own[1].p, Z.bottomRows(2 * nv));
   return (after - before).cwiseAbs().maxCoeff() / before.cwiseAbs().maxCoeff();
 }
 

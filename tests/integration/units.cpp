@@ -9,7 +9,7 @@
 namespace axode::test {
 namespace {
 
-struct Scheme {
+struct SchemeInUnits {
   const char* method;
   const char* coordinates = "relative";
 };
@@ -21,7 +21,7 @@ template <class Table> const auto& named(const Table& table, std::string_view na
 }
 /// The motion from (q, v) with steps of one length. The drives have constant forces and damping.
 Trajectory motion_of(const Model& model, const State<double>& at, const Numbers& tau, const Numbers& damping,
-                     double step, const Scheme& scheme) {
+                     double step, const SchemeInUnits& scheme) {
   SimulationOptions options{.coordinates = named(coordinate_kinds, scheme.coordinates)};
   options.drive = [&](double, Span, Span v, std::span<double> out) {
     for (std::size_t c = 0; c < out.size(); ++c) out[c] = tau[c] - damping[c] * v[c];
@@ -31,8 +31,8 @@ Trajectory motion_of(const Model& model, const State<double>& at, const Numbers&
 
 /// Expects the same end of the motion after a change of units and back.
 void expect_the_same_motion(const Units& units, const Description& description, const State<double>& at,
-                            const Numbers& tau, double step, const Scheme& scheme, Comparison& positions,
-                            Comparison& velocities) {
+                            const Numbers& tau, double step, const SchemeInUnits& scheme,
+                            Comparison& positions, Comparison& velocities) {
   SCOPED_TRACE(std::string(scheme.method) + " " + scheme.coordinates);
   const Model model = ModelBuilder(description).build(),
               other = ModelBuilder(in_units(units, description)).build();
@@ -67,10 +67,10 @@ TEST(UnitsOfMotions, OfTreesMultiplyEveryStep) {
       const Model model = ModelBuilder(drawn).build();
       State<double> at = random_state(model, random);
       const Numbers tau = random_numbers(random, model.nv());
-      for (const Scheme& scheme :
-           {Scheme{"rk4"}, Scheme{"generalized_alpha"}, Scheme{"midpoint"}, Scheme{"kahan_li6"},
-            Scheme{"rk4", "absolute"}, Scheme{"rattle", "absolute"},
-            Scheme{"generalized_alpha", "absolute_SO3xR3"}})
+      for (const SchemeInUnits& scheme :
+           {SchemeInUnits{"rk4"}, SchemeInUnits{"generalized_alpha"}, SchemeInUnits{"midpoint"},
+            SchemeInUnits{"kahan_li6"}, SchemeInUnits{"rk4", "absolute"}, SchemeInUnits{"rattle", "absolute"},
+            SchemeInUnits{"generalized_alpha", "absolute_SO3xR3"}})
         expect_the_same_motion(units, drawn, at, tau, 1e-3, scheme, positions, velocities);
     });
 }
@@ -86,7 +86,7 @@ TEST(UnitsOfMotions, OfMassAndTimeMultiplyStepsOfMechanismsWithLoops) {
       for (const int i : closed.model.springs().joints)
         for (const Dof& dof : closed.model.joint(i).dof) smooth = smooth && dof.stop_stiffness == 0;
       for (const LoopRows& loop : closed.model.loops().all) rolls = rolls || loop.rows != loop.residuals;
-      const auto expect = [&](const Scheme& scheme) {
+      const auto expect = [&](const SchemeInUnits& scheme) {
         expect_the_same_motion(units, closed.description, closed.state, closed.tau, 1e-4, scheme, positions,
                                velocities);
       };

@@ -14,12 +14,12 @@ class EveryFunction : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, EveryFunction, testing::ValuesIn(cases_with_fast()), name_of);
 
 /// The results of a call, or the message with which it was refused.
-template <class T> struct Outcome {
+template <class T> struct ResultOfCall {
   std::vector<T> numbers;
   Solvability solvability;
   std::string refusal;  ///< the message of the exception; empty if there was none
 
-  bool operator==(const Outcome& other) const {
+  bool operator==(const ResultOfCall& other) const {
     return numbers.size() == other.numbers.size() && refusal == other.refusal &&
            solvability == other.solvability &&
            std::equal(numbers.begin(), numbers.end(), other.numbers.begin(), [](T x, T y) {
@@ -46,8 +46,8 @@ template <class T> class Calls {
     return function.size(model, arguments.wrenches.size());
   }
   /// Calls a function that writes its results into `out`.
-  Outcome<T> call(const Function<T>& function, const catalog::Arguments<T>& given, std::span<T> out) {
-    Outcome<T> outcome;
+  ResultOfCall<T> call(const Function<T>& function, const catalog::Arguments<T>& given, std::span<T> out) {
+    ResultOfCall<T> outcome;
     try {
       outcome.solvability = function.call(model, workspace, given, out);
     } catch (const std::invalid_argument& error) {
@@ -58,11 +58,11 @@ template <class T> class Calls {
     outcome.numbers.assign(out.begin(), out.end());
     return outcome;
   }
-  Outcome<T> call(const Function<T>& function, const catalog::Arguments<T>& given) {
+  ResultOfCall<T> call(const Function<T>& function, const catalog::Arguments<T>& given) {
     std::vector<T> out(size(function));
     return call(function, given, out);
   }
-  Outcome<T> call(const Function<T>& function) { return call(function, arguments.given()); }
+  ResultOfCall<T> call(const Function<T>& function) { return call(function, arguments.given()); }
 };
 
 const TreeRecipe small{.most_bodies = 8};
@@ -84,7 +84,7 @@ template <class Law> void for_functions(const Case& c, int trees, const TreeReci
 TEST_P(EveryFunction, InPlaceIsRightOrRefused) {
   int right = 0, refused = 0;
   for_functions(GetParam(), 50, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
-    const Outcome<T> separate = calls.call(function);
+    const ResultOfCall<T> separate = calls.call(function);
     for (const Input input : inputs_of_numbers(function))
       for (const std::ptrdiff_t shift : {0, 1, -1}) {  // how far the result begins behind the argument
         SCOPED_TRACE(std::string(to_string(input)) + " shifted by " + std::to_string(shift));
@@ -95,7 +95,7 @@ TEST_P(EveryFunction, InPlaceIsRightOrRefused) {
         T* const begin = memory.data() + std::max<std::ptrdiff_t>(0, -shift);
         std::copy(argument.begin(), argument.end(), begin);
         argument = {begin, argument.size()};
-        const Outcome<T> in_place = calls.call(function, given, {begin + shift, size});
+        const ResultOfCall<T> in_place = calls.call(function, given, {begin + shift, size});
         if (in_place.refusal.find("shares memory") != std::string::npos) {
           ++refused;
         } else {
@@ -114,7 +114,7 @@ TEST_P(EveryFunction, RemembersNothing) {
       std::fill(numbers->begin(), numbers->end(), std::numeric_limits<T>::quiet_NaN());
     Workspace<T> used = calls.workspace;  // has been used by the functions before this one
     calls.workspace = Workspace<T>(calls.model);
-    const Outcome<T> fresh = calls.call(function);
+    const ResultOfCall<T> fresh = calls.call(function);
     calls.workspace = std::move(used);
     calls.call(function, calls.others.given());
     EXPECT_TRUE(calls.call(function) == fresh) << "after another state";
@@ -213,7 +213,7 @@ TEST_P(EveryFunction, NotFiniteIsSaid) {
   const TreeRecipe recipe{.most_bodies = 8, .always_mass = true, .one_free_root = true};
   for_functions(GetParam(), 50, recipe, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
     if (!function.may_fail) return;
-    const auto check = [&](const Outcome<T>& outcome, const auto&... where) {
+    const auto check = [&](const ResultOfCall<T>& outcome, const auto&... where) {
       if (!outcome.refusal.empty()) return;
       const bool finite =
           std::all_of(outcome.numbers.begin(), outcome.numbers.end(), [](T x) { return std::isfinite(x); });

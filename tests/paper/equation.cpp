@@ -23,7 +23,7 @@ std::string text_of(const Matrix& x) {
   return text.str();
 }
 
-void each_body(std::span<const Topology> topologies, const CheckOfBody& check) {
+void each_body_of(std::span<const Topology> topologies, const CheckOfBody& check) {
   for (const Topology topology : topologies) {
     Equation equation;
     for (int s = 0; s < systems_each; ++s)
@@ -64,10 +64,10 @@ void Equation::conclude(Topology topology) const {
 
 void each_body(const CheckOfBody& check) {
   constexpr Topology all[] = {Topology::chain, Topology::tree, Topology::many_dof_joints};
-  each_body(all, check);
+  each_body_of(all, check);
 }
 
-void each_body_with_one_screw(const CheckOfBody& check) { each_body(one_screw_joints, check); }
+void each_body_with_one_screw(const CheckOfBody& check) { each_body_of(one_screw_joints, check); }
 
 void each_body_in_frames(const CheckInFrames& check) {
   each_body([&](Equation& equation, const Motion& m, int i) {
