@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -8,6 +9,9 @@
 #include "axode/model/building/placement.hpp"
 
 namespace axode::io {
+
+/// Whether a degree of freedom has a finite limit.
+inline bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
 
 /// Collects faults about the elements of a mechanism that the format of a writer cannot express.
 class Unsaid {

@@ -86,7 +86,7 @@ std::vector<int> places_of(const Flags& flags) {
     if (flags[k]) places.push_back(static_cast<int>(k));
   return places;
 }
-Flags product(std::size_t n, const Flags& x, const Flags& y) {
+Flags product_of_flags(std::size_t n, const Flags& x, const Flags& y) {
   Flags z(n * n);
   for (std::size_t r = 0; r < n; ++r)
     for (std::size_t k = 0; k < n; ++k)
@@ -118,7 +118,7 @@ CasadiInverse::CasadiInverse(int nq, int nv, std::vector<int> entries, std::stri
     const Flags M = flags_at(
         all.subspan(static_cast<std::size_t>(begin_[k]), static_cast<std::size_t>(begin_[k + 1] - begin_[k])),
         nn);
-    const Flags A_k = product(nv_, A, product(nv_, M, A));
+    const Flags A_k = product_of_flags(nv_, A, product_of_flags(nv_, M, A));
     for (std::size_t e = 0; e < n; ++e) by_q.push_back(A_k[static_cast<std::size_t>(entries_[e])]);
   }
   by_q_ = places_of(by_q);

@@ -10,6 +10,7 @@
 
 #include "axode/io.hpp"
 #include "axode/io/mjcf/mjcf_terms.hpp"
+#include "axode/io/writing.hpp"
 #include "axode/io/xml_text.hpp"
 #include "axode/model/building/placement.hpp"
 #include "axode/model/kinds/shape_kinds.hpp"
@@ -17,11 +18,11 @@
 namespace axode {
 namespace {
 
+using io::bounded, io::xml::text;
 using io::mjcf::attribute, io::mjcf::has_words_for, io::mjcf::inertial_element, io::mjcf::pose_text,
     io::mjcf::unless_zero, io::mjcf::in_mjcf, io::mjcf::joint_unsaid, io::mjcf::said, io::mjcf::shapes_unsaid,
     io::mjcf::contact_unsaid, io::mjcf::size_text, io::mjcf::friction_text;
 using io::mjcf::springs_and_couplings_unsaid;
-using io::xml::text;
 
 /// The largest limit that the writer writes, because MuJoCo treats larger numbers as errors.
 constexpr double no_limit = 1e10;
@@ -29,8 +30,6 @@ constexpr double no_limit = 1e10;
 constexpr std::size_t most_joints = 6;
 constexpr std::size_t deepest_indent = 20;
 constexpr double realisability_tolerance = 1e-9;
-
-bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
 
 /// A set of taken names. free() appends `_` to a name until it is not taken, then adds and returns it.
 class Names {

@@ -18,7 +18,7 @@
 namespace axode {
 namespace {
 
-using io::xml::text;
+using io::bounded, io::xml::text;
 
 /// Relative tolerance of the test whether the origin of a link is on the axis of its joint, as URDF requires.
 constexpr double on_axis = 1e-12;
@@ -27,8 +27,6 @@ constexpr double on_axis = 1e-12;
 std::string limit_text(double x) {
   return text(std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()));
 }
-
-bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
 
 /// The type of a joint in URDF; empty if URDF has no type for its kind.
 std::string_view urdf_type(const JointDescription& joint) {
