@@ -225,8 +225,8 @@ TEST_F(View, OpensThePageWhereItIsNotToldAFile) {
   const std::string tmp = folder_.file("tmp");
   std::filesystem::create_directory(tmp);
   const auto run_with = [&](const std::string& path) {
-    return run(
-        {"env", "PATH=" + path, "TMPDIR=" + tmp, "AXODE_OPENED=" + opened, AXODE_COMMAND, "view", two_bodies});
+    return run({"env", "PATH=" + path, "TMPDIR=" + tmp, "AXODE_OPENED=" + opened, AXODE_COMMAND, "view",
+                two_bodies});
   };
   const Outcome outcome = run_with(folder_.path().string() + ":/usr/bin:/bin");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
