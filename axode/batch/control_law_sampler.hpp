@@ -7,9 +7,9 @@
 
 namespace axode::batch {
 
-/// Evaluates a drive of axode/integration/drives.hpp for several simulated motions, which are computed at once
-/// in SIMD lanes. If the drive is a controller, its reference and its feedforward are evaluated once for all
-/// of these motions.
+/// Evaluates a drive of axode/integration/drives.hpp for several simulated motions, which are computed at
+/// once in SIMD lanes. If the drive is a controller, its reference and its feedforward are evaluated once for
+/// all of these motions.
 template <class S> class ControlLawSampler {
  public:
   ControlLawSampler(const Model& model, const Drive& drive);

@@ -47,9 +47,9 @@ class SdfFrames {
   int size() const { return static_cast<int>(all_.size()); }
 
   /// Computes for each frame the link to which it is fixed and its pose in the world, from the frames
-  /// relative to which they are given. Calls `report`, and then goes on, for each unknown name, for each cycle
-  /// of frames, and for each frame that places a model (attribute `placement_frame` of SDFormat) if this frame
-  /// is not given relative to the model itself.
+  /// relative to which they are given. Calls `report`, and then goes on, for each unknown name, for each
+  /// cycle of frames, and for each frame that places a model (attribute `placement_frame` of SDFormat) if
+  /// this frame is not given relative to the model itself.
   void resolve(const Report& report);
 
  private:
