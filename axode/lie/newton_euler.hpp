@@ -51,9 +51,9 @@ constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, co
           M.m * dV.v + R * (cross(dV.w, M.h) + cross(V.w, cross(V.w, M.h)))};
 }
 
-/// The Newton-Euler equations about the centre of mass (Müller, eqs. NEb0, NEhCOM, NEhCOM2, NEcmixed).
-/// Euler's equation for the moment does not contain the linear motion, and Newton's equation for the force
-/// does not contain the inertia tensor.
+/// The Newton-Euler equations about the centre of mass (Müller, eqs. NEb0, NEhCOM, NEhCOM2 with erratum 15 of
+/// docs/errata.md, NEcmixed). Euler's equation for the moment does not contain the linear motion, and
+/// Newton's equation for the force does not contain the inertia tensor.
 template <class T>
 constexpr Wrench<BodyFixed, T> newton_euler(const CentralInertia<T>& M, const Twist<BodyFixed, T>& V,
                                             const TwistRate<BodyFixed, T>& dV) {
@@ -74,10 +74,10 @@ constexpr Wrench<Mixed, T> newton_euler(const CentralInertia<T>& M, const SO3<T>
 }
 
 /// The Newton-Euler equations for twists that are measured at the origin of a frame F_j and resolved in the
-/// axes of a frame F_k (Müller, eqs. NEij, NE (j,k) with erratum 19): W = M (V' + (ad_{V_j} + ad_{ω_k - ω_j})
-/// V) - ad_Vᵀ M V, with the inertia M = ^kM_i^j about the origin of F_j in the axes of F_k, the twist V_j of
-/// F_j, and the angular velocities ω_j and ω_k of the frames. Of the motion of the frames the equations need
-/// only the velocity of the origin of F_j and the angular velocity of F_k.
+/// axes of a frame F_k (Müller, eq. NEij, and eq. u:NE (j,k) boxed with erratum 19 of docs/errata.md): W = M
+/// (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) - ad_Vᵀ M V, with the inertia M = ^kM_i^j about the origin of F_j in
+/// the axes of F_k, the twist V_j of F_j, and the angular velocities ω_j and ω_k of the frames. Of the motion
+/// of the frames the equations need only the velocity of the origin of F_j and the angular velocity of F_k.
 template <class T>
 constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk,
                                            const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -89,7 +89,7 @@ constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<
 }
 
 /// ^kM_i^j: the inertia of a body with pose C, about the origin of a frame F_j and in the axes of a frame F_k
-/// (erratum 20). M is the inertia in the body frame.
+/// (Müller, eq. u:kMij with erratum 20 of docs/errata.md). M is the inertia in the body frame.
 template <class T>
 constexpr Inertia<T> inertia_in_frames(const FramePair<T>& jk, const SE3<T>& C, const Inertia<T>& M) {
   return transform(inverse(jk.pose()) * C, M);

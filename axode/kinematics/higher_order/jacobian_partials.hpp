@@ -18,9 +18,10 @@ inline constexpr int largest_partial_order = 12;
 /// directions of one spherical, planar or free joint. Body-fixed: Müller's eqs. der1, der2Jb, nthorderBody;
 /// spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: (D15.4) of docs/derivations. Müller's eq. Jhder,
 /// the first derivative ∂J_j/∂q_k in the hybrid representation, is completed by the case k < j, in which
-/// joint k is between joint j and the ground (errata 6 to 12). docs/notation.md names Müller's paper, to
-/// which the labels and errata refer. O(ν m^(ν + 1)) for m joint screws between the place and the ground. If
-/// the caller's function should_continue() returns false, the call ends early and the tensor is not complete.
+/// joint k is between joint j and the ground; the paper leaves it out, which causes errata 6 and 9 of
+/// docs/errata.md. docs/notation.md names Müller's paper, to which the labels and errata refer.
+/// O(ν m^(ν + 1)) for m joint screws between the place and the ground. If the caller's function
+/// should_continue() returns false, the call ends early and the tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
