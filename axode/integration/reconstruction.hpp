@@ -54,8 +54,9 @@ template <PoseRate Rep> SE3<> moved(const SE3<>& C, const SE3<>& D) {
 }  // namespace reconstruction
 
 /// Computes the motion of a body from its twist by Munthe-Kaas' method: a step is C exp(X), or exp(X) C,
-/// where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (Müller, eq. Vdexp), is integrated by the Runge-Kutta method
-/// of the tableau. With LocalCoordinates::cayley, Cayley's map replaces exp. Returns the poses at all times.
+/// where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (Müller, eq. Vdexp with erratum 27 of docs/errata.md), is
+/// integrated by the Runge-Kutta method of the tableau. With LocalCoordinates::cayley, Cayley's map replaces
+/// exp. Returns the poses at all times.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const double> times,
                                const Tableau& method = runge_kutta(4),

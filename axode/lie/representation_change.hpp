@@ -192,7 +192,8 @@ template <class T> constexpr Twist<Spatial, T> change(const FramePair<T>& jk, co
   return twist<Spatial>(Ad(jk.pose(), Screw<T>{V.w, V.v}));
 }
 /// The rate of the twist ^kV_i^j of a body, measured at the origin of F_j and resolved in the axes of F_k,
-/// both of which may move, from its spatial twist V and the rate of V (erratum 19).
+/// both of which may move, from its spatial twist V and the rate of V (Müller, eq. inl:jVdot from kVdot with
+/// erratum 19 of docs/errata.md).
 template <class T>
 constexpr TwistRate<InFrames, T> change(const FramePair<T>& jk, const Twist<Spatial, T>& V,
                                         const TwistRate<Spatial, T>& dV) {

@@ -83,7 +83,7 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
   /// Computes the wrenches W_i that the joints transmit from the predecessors to the bodies i. The forward
   /// sweep computes poses, twists V and their rates V', with gravity as the acceleration V'_0 = (0, -g) of
   /// the ground. The backward sweep, from the leaves to the roots, computes (Müller, eqs. aWbRec, bWsRec,
-  /// bWhRec with erratum 22)
+  /// bWhRec with erratum 22 of docs/errata.md)
   ///   W_i = Σ_children up(W_c) + M_i V'_i + (wrench due to velocities) - W_i^app
   /// where W_i^app is the sum of the wrenches applied to body i, M_i its inertia, and up() of Link moves the
   /// wrench W_c from child c to body i.

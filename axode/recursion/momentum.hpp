@@ -107,7 +107,7 @@ template <class Rep, class T> struct MomentumForm {
 };
 
 /// Computes the rates of the state (q, Π), where Π are the spatial momenta of all bodies, by Müller's eq.
-/// PEs:
+/// PEs with erratum 24 of docs/errata.md:
 ///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s.
 /// J^s is the spatial Jacobian of all bodies, τ are the drive forces, and W_app the applied wrenches. Body i
 /// has the spatial inertia M_i^s, the Jacobian J_i^s and the momentum Π_i^s. Both equations are solved in

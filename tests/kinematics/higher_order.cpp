@@ -269,7 +269,7 @@ struct JerkOf {
 };
 
 /// The bracket sums of eq. Vbddot: pairs of joints j < k <= i, and triples j < k < r <= i and j < k = r <= i
-/// (erratum 4). Screws of one joint act as one: [[J_j, J_k], J_r] over all its pairs.
+/// (erratum 4 of docs/errata.md). Screws of one joint act as one: [[J_j, J_k], J_r] over all its pairs.
 TEST(Jerk, BodyFixedIsASumOfNestedScrewProducts) {
   Comparison jerk("jerk", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
@@ -314,8 +314,8 @@ TEST(Jerk, SpatialFollowsFromTheTwistsAndAccelerationsOfTheBodies) {
   });
 }
 
-/// The hybrid jerk with erratum 10, in the joint screws ⁰X_j^j at the bodies that they move; r_ij points from
-/// i to j.
+/// The hybrid jerk with erratum 10 of docs/errata.md, in the joint screws ⁰X_j^j at the bodies that they
+/// move; r_ij points from i to j.
 Screw<> hybrid_jerk(JerkOf& at) {
   const std::vector<Six> V = at.trial.twists(), dV = at.trial.accelerations();
   const auto ad_r = [](const Vec3<>& r, const Screw<>& X) { return Screw<>{{}, cross(r, X.w)}; };
@@ -343,7 +343,7 @@ TEST(Jerk, HybridFollowsFromThePositionsAndAngularVelocitiesOfTheBodies) {
   });
 }
 
-/// V^m'' = diag(Rᵀ, I) (V^h'' - (ω × ω', 0)), erratum 12.
+/// V^m'' = diag(Rᵀ, I) (V^h'' - (ω × ω', 0)), with erratum 12 of docs/errata.md.
 TEST(Jerk, MixedIsTheHybridOneWithItsAngularPartInTheBody) {
   Comparison jerk("jerk", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {

@@ -273,7 +273,7 @@ template <class Rep> bool is_zero(const Twist<Rep>& X) { return largest(entries(
 
 /// A body-fixed derivative is zero unless all joints of the derivative are outward of the column's joint. A
 /// spatial one is zero unless all of them are inward of it (Müller, eqs. der1, der2Jb, Jsder, Jsder2 and
-/// erratum 2). Joints beyond the place have no effect on either.
+/// erratum 2 of docs/errata.md). Joints beyond the place have no effect on either.
 TEST(JacobianPartials, AreExactlyZeroWhereThePaperSaysSoAndNowhereElse) {
   const int n = 6, body = 5;
   Sample sample(chain(JointKind::revolute, n), 1, body);

@@ -48,7 +48,7 @@ Eigen::VectorXd lagrange_equations(const Model& model, std::span<const double> q
                                    std::span<const double> a, const Loads<double>& loads = {});
 
 /// Christoffel symbols of the first kind with Binet's inertia tensor (Müller, eq. GammaBinet with
-/// erratum 26):
+/// erratum 26 of docs/errata.md):
 ///   Γ_ijk = Σ_l tr(Ĵ_li P_l (Ĵ_lj Ĵ_lk)ᵀ),
 /// summed over the bodies l that the joints of i, j and k all move, if the joint of j is that of k or nearer
 /// to the ground; otherwise j and k are exchanged. Ĵ_li is the 4×4 matrix of column i of the body-fixed

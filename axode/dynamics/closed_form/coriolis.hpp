@@ -19,7 +19,8 @@ void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, 
                      CoriolisForm form, std::type_identity_t<std::span<T>> C);
 
 /// Christoffel symbols of the first kind, Γ_ijk at [(i nv + j) nv + k], nv³ entries, from spatial joint
-/// screws J and composite inertias (Müller, eq. Gamma with erratum 25):
+/// screws J and composite inertias (Müller, eq. Gamma with erratum 25 of
+/// docs/errata.md):
 ///   2 Γ_ijk = J_kᵀ M^c [J_i, J_j] + J_jᵀ M^c [J_i, J_k] + J_iᵀ M^c [J_s, J_r].
 /// Here the joints of the velocities i, j and k lie on one path to the ground; otherwise Γ_ijk = 0. M^c is
 /// the composite inertia of the subtree of that joint of i, j and k which is farthest from the ground. In the

@@ -6,7 +6,7 @@
 namespace axode {
 
 /// The equations of motion for the state (q, Π), where Π are the spatial momenta of all bodies (Müller,
-/// eq. PEs with erratum 24):
+/// eq. PEs with erratum 24 of docs/errata.md):
 ///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s
 /// with the applied wrenches W_app, the spatial inertia M_i^s and the spatial Jacobian J_i^s of body i, and
 /// the Jacobian J^s of all bodies, one below the other. Computes the joint velocities v (nv numbers) and the
