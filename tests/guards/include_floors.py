@@ -1,15 +1,15 @@
-"""Files of axode/ include only files of their own floor (a folder such as lie/) or of a lower floor:
-include_floors.py SOURCE_DIR."""
+"""Files of axode/ include only files of their own floor (a folder such as lie/) or of a floor before it, and
+docs/architecture.md lists every folder of axode/ in the order of the floors: include_floors.py SOURCE_DIR."""
 
 import re
 import sys
 import tempfile
 from pathlib import Path
 
-FLOORS = ["lie", "scalar", "model", "table", "recursion", "fast", "kinematics", "dynamics", "derivatives", "constraints",
-          "contact", "drives", "integration", "catalog", "io", "view", "fmi", "batch", "codegen"]
-# Files and folders of axode/ that gather several floors.
-OWN_CEILING = {"axode.hpp": "batch", "dense.hpp": "dynamics", "eigen.hpp": "dynamics", "workspace": "derivatives"}
+FLOORS = ["lie", "scalar", "model", "table", "recursion", "fast", "kinematics", "dynamics", "derivatives", "workspace",
+          "constraints", "contact", "drives", "integration", "catalog", "io", "view", "fmi", "batch", "codegen"]
+# Headers of axode/ that gather several floors.
+OWN_CEILING = {"axode.hpp": "batch", "dense.hpp": "dynamics", "eigen.hpp": "dynamics"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](axode/[^">]+)[">]', re.MULTILINE)
 
 
@@ -39,6 +39,15 @@ def violations(source):
     return found
 
 
+def differences(folders, page):
+    """Sentences that say where the floors of docs/architecture.md and the folders of axode/ are not those of FLOORS."""
+    listed = re.findall(r"^axode/(\w+)/ ", page, re.MULTILINE)
+    if listed != FLOORS:
+        yield f"docs/architecture.md lists the floors {', '.join(listed)}; FLOORS are {', '.join(FLOORS)}"
+    if sorted(folders) != sorted(FLOORS):
+        yield f"the folders of axode/ are {', '.join(sorted(folders))}; FLOORS are {', '.join(sorted(FLOORS))}"
+
+
 def check_that_a_planted_violation_is_found():
     with tempfile.TemporaryDirectory() as folder:
         lie = Path(folder, "axode", "lie")
@@ -50,8 +59,13 @@ def check_that_a_planted_violation_is_found():
 
 def main(source):
     check_that_a_planted_violation_is_found()
-    found = violations(Path(source))
-    print("\n".join(found) or "every include follows the floors")
+    source = Path(source)
+    page = (source / "docs/architecture.md").read_text(encoding="utf-8")
+    folders = [folder.name for folder in (source / "axode").iterdir() if folder.is_dir()]
+    planted = list(differences([*folders, "attic"], page.replace("axode/io/ ", "axode/attic/ ")))
+    assert len(planted) == 2, planted
+    found = [*violations(source), *differences(folders, page)]
+    print("\n".join(found) or "every include follows the floors, and docs/architecture.md lists them")
     return 1 if found else 0
 
 
