@@ -1,5 +1,6 @@
-"""Every kind of joint, of spring and of loop joint is in its table and in the docs, and the places where docs/architecture.md
-puts something new exist: kinds.py SOURCE_DIR."""
+"""Every kind of joint, of spring and of loop joint is in its table and in the docs, every method of integration is in
+Python, in the help and in the docs, and the places where docs/architecture.md puts something new exist:
+kinds.py SOURCE_DIR."""
 
 import re
 import sys
@@ -22,6 +23,10 @@ ENUMERATIONS = {
 }
 
 
+# The files in which the words of docs/architecture.md are looked up.
+SOURCES = (".hpp", ".cpp", ".py", ".ts", ".cmake", ".json")
+
+
 def enumerators(name, text):
     body = re.search(rf"enum class {name}\b[^{{]*{{(.*?)}};", text, re.DOTALL).group(1)
     return re.findall(r"\w+", re.sub(r"//.*", "", body))
@@ -38,10 +43,39 @@ def forgotten(read):
     ]
 
 
+# The texts that must name every method of integration: a
+# file, the beginning and the end of the text in it, and a name.
+METHODS = "axode/integration/methods.hpp"
+NAMED_METHODS = [
+    ("python/axode/simulation.py", "method: Literal[", "]", '"{}"'),
+    ("python/axode/simulation.py", '    """Simulates a mechanism', '\n    """', '"{}"'),
+    ("apps/commands/simulate.cpp", "simulate_footer", ')";', r"\b{}\b"),
+    ("docs/integration.md", "", r"\Z", "`{}`"),
+]
+
+
+def forgotten_methods(read):
+    """The methods of integration that a text does not name, and those that Python names and methods.hpp does not have."""
+    methods = re.findall(r'\{"(\w+)", \{(?:true|false), detail::', read(METHODS))
+    if len(methods) != int(re.search(r"Method>, (\d+)> methods", read(METHODS)).group(1)):
+        yield f"{METHODS}: kinds.py reads only the rows {', '.join(methods)} of the table of methods"
+    for path, begin, end, words in NAMED_METHODS:
+        after = read(path).partition(begin)[2] if begin else read(path)
+        text = re.split(end if end == r"\Z" else re.escape(end), after, maxsplit=1)[0]
+        for method in methods:
+            if not re.search(words.format(method), text):
+                yield f"{path} has no {method}, which is a method in {METHODS}"
+        if begin.endswith("Literal["):
+            for method in set(re.findall(r'"(\w+)"', text)) - set(methods):
+                yield f"{path} has the method {method}, which {METHODS} does not have"
+
+
 def misplaced(page, source):
-    """What the table "Where does a new ... go?" of a page names and the tree does not have: files, folders, and words that
-    none of the files and folders of their row has."""
-    for row in re.findall(r"^\|.*\|$", page[page.index("## Where does a new ... go?") :], re.MULTILINE)[2:]:
+    """What the section "Where does a new ... go?" of a page names and the tree does not have: files, folders, and words that
+    none of the files and folders of their row or list has."""
+    section = page.partition("## Where does a new ... go?")[2].partition("\n## ")[0]
+    table, *lists = section.split("\n### ")
+    for row in re.findall(r"^\|.*\|$", table, re.MULTILINE)[2:] + lists:
         words = re.findall(r"`([^`]+)`", row)
         places = {word: [p for p in (source / word, source / "axode" / word) if p.exists()] for word in words if "/" in word}
         files = [source / "docs" / page for page in re.findall(r"\(([\w-]+\.md)\)", row)]
@@ -50,7 +84,7 @@ def misplaced(page, source):
                 yield f"docs/architecture.md: no such place: {word}"
             for place in found:
                 files += [file for file in place.rglob("*.*") if file.is_file()] if place.is_dir() else [place]
-        text = "".join(file.read_text(encoding="utf-8") for file in files if file.suffix in (".hpp", ".cpp", ".py", ".ts"))
+        text = "".join(file.read_text(encoding="utf-8") for file in files if file.suffix in SOURCES)
         for word in words:
             if word not in places and not all(re.search(rf"\b{part}\b", text) for part in re.findall(r"\w+", word)):
                 yield f"docs/architecture.md: no {word} in the places of its row"
@@ -65,11 +99,14 @@ if __name__ == "__main__":
     found = forgotten(read)
     planted = forgotten(lambda path: re.sub(r"(enum class LoopKind {)", r"\1 slot, // a new one\n", read(path)))
     assert len(planted) == len(found) + 2, planted
+    methods = list(forgotten_methods(read))
+    planted = list(forgotten_methods(lambda path: read(path).replace('{"euler", ', '{"heun", ')))
+    assert len(planted) == len(methods) + len(NAMED_METHODS) + 1, planted
     page = read("docs/architecture.md")
     changed = page.replace("`reader_for`", "`reader_of`").replace("`io/load.cpp`", "`io/loads.cpp`")
     places = list(misplaced(page, source))
     planted = list(misplaced(changed, source))
     assert len(planted) == len(places) + 2, planted
-    found += places
-    print("\n".join(found) or "every kind is in its table and in the docs, and every place of the architecture exists")
+    found += methods + places
+    print("\n".join(found) or "every kind and method is in its table and in the docs, and the places of new things exist")
     sys.exit(bool(found))
