@@ -80,10 +80,11 @@ class Builder:
     def loop(self, one: str, other: str, kind: str = "revolute", **keys: Any) -> Builder:
         """Closes a loop by a joint between two bodies or frames, or "ground". Returns the builder.
 
-        `kind` is fixed, revolute, prismatic, helical, cylindrical, spherical, planar, translational, universal, rod
-        or rolling; axis, point (m), points and the other keys are those of a loop in a drawing, in the construction
-        frame with every joint at zero, where the loop is closed. If it is not closed there, frames=[{}, {}] closes it
-        between the frames of the two bodies; poses in these dicts select other frames on them.
+        `kind` is fixed, revolute, prismatic, helical, cylindrical, spherical, planar, translational, universal, rod,
+        rolling or belt; axis, point (m), points and the other keys are those of a loop in a drawing, in the
+        construction frame with every joint at zero, where the loop is closed. If it is not closed there,
+        frames=[{}, {}] closes it between the frames of the two bodies; poses in these dicts select other frames on
+        them.
 
         >>> def bar(x, z, x_com, z_com):
         ...     hinge = {"kind": "revolute", "axis": "y", "point": [x, 0, z]}

@@ -98,7 +98,7 @@ What a mechanism with loops can do at a closed q (nq,): mobility by order, branc
 
 The closures of the loops are expanded to `order` by brackets of joint screws; 0 chooses the order, and raises it while nothing
 is settled. `length` (m) is what lengths are divided by before they are compared with angles, 0 for the mean distance between
-two joints. About 1 ms for a loop of six joints. ValueError for a q that leaves a loop open, and for rolling contacts.
+two joints. About 1 ms for a loop of six joints. ValueError for a q that leaves a loop open, and for rolling contacts and belts.
 
 >>> found = axode.local_mobility(fourbar, fourbar.neutral())
 >>> found.words[0], found.mobility_by_order[:3], len(found.branches)
