@@ -21,7 +21,9 @@
 /// about trees.
 namespace axode::test {
 
-/// A law for several ways to compute: `class Balances : public Law {}` and LAW(Balances, cases());
+/// The base class of laws for several ways to compute. `class Balances : public Law {};` makes a suite, and
+/// `INSTANTIATE_TEST_SUITE_P(Laws, Balances, testing::ValuesIn(cases()), name_of);` gives it its cases. Each
+/// TEST_P(Balances, ...) is a law.
 using Law = testing::TestWithParam<Case>;
 
 /// Calls law(seed) for the seeds 1, 2, ..., `count` until one fails. That one is repeated with fewer bodies,
