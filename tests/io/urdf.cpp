@@ -43,8 +43,8 @@ std::vector<std::string> messages(const Model& model) {
 TEST(Urdf, TheJointFrameIsTheFrameOfTheChild) {
   const Model model =
       model_of_urdf(link("a") + link("b") +
-               joint("j", "continuous", "a", "b",
-                     R"(<origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><axis xyz="0 2 0"/>)"));
+                    joint("j", "continuous", "a", "b",
+                          R"(<origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><axis xyz="0 2 0"/>)"));
   const Body& b = model.body(1);
   EXPECT_LT(norm(b.A.r - Vec3<>{1, 2, 3}), 1e-15);
   EXPECT_LT(norm(b.A.R.x - Vec3<>{0, 1, 0}), 1e-15);
@@ -67,10 +67,10 @@ TEST(Urdf, TheAxisIsXWhereNoneIsGiven) {
 }
 
 TEST(Urdf, BodiesFollowDepthFirstInTheOrderOfTheJoints) {
-  const Model model =
-      model_of_urdf(link("d") + link("c") + link("b") + link("a") + link("root") +
-               joint("second", "continuous", "root", "b") + joint("third", "continuous", "root", "c") +
-               joint("first of second", "continuous", "b", "d") + joint("fourth", "continuous", "root", "a"));
+  const Model model = model_of_urdf(
+      link("d") + link("c") + link("b") + link("a") + link("root") +
+      joint("second", "continuous", "root", "b") + joint("third", "continuous", "root", "c") +
+      joint("first of second", "continuous", "b", "d") + joint("fourth", "continuous", "root", "a"));
   std::vector<std::string> order;
   for (const Joint& j : model.joints()) order.push_back(j.name);
   EXPECT_THAT(order, ElementsAre("second", "first of second", "third", "fourth"));
@@ -78,8 +78,8 @@ TEST(Urdf, BodiesFollowDepthFirstInTheOrderOfTheJoints) {
 
 TEST(Urdf, LimitsDampingAndFrictionAreKept) {
   const Model model = model_of_urdf(link("a") + link("b") +
-                               joint("j", "prismatic", "a", "b",
-                                     R"(<limit lower="-1" upper="2" velocity="3" effort="4"/>
+                                    joint("j", "prismatic", "a", "b",
+                                          R"(<limit lower="-1" upper="2" velocity="3" effort="4"/>
                                                                 <dynamics damping="0.5" friction="0.6"/>)"));
   const Dof expected{-1, 2, 3, 4, 0.5, 0.6, 0};
   EXPECT_TRUE(test::same(model.joint(1).dof[0], expected));
@@ -89,7 +89,7 @@ TEST(Urdf, LimitsDampingAndFrictionAreKept) {
 TEST(Urdf, AContinuousJointHasNoLimitsOfPosition) {
   const Model model =
       model_of_urdf(link("a") + link("b") +
-               joint("j", "continuous", "a", "b", R"(<limit lower="0" upper="0" velocity="3"/>)"));
+                    joint("j", "continuous", "a", "b", R"(<limit lower="0" upper="0" velocity="3"/>)"));
   const Dof expected{-infinity, infinity, 3, infinity, 0, 0, 0};
   EXPECT_TRUE(test::same(model.joint(1).dof[0], expected));
   EXPECT_THAT(messages(model), ElementsAre());
@@ -97,7 +97,7 @@ TEST(Urdf, AContinuousJointHasNoLimitsOfPosition) {
 
 TEST(Urdf, MissingLimitsAreDoubtfulAndUnlimited) {
   const Model model = model_of_urdf(link("a") + link("b") + link("c") + joint("j", "revolute", "a", "b") +
-                               joint("k", "revolute", "b", "c", R"(<limit effort="1"/>)"));
+                                    joint("k", "revolute", "b", "c", R"(<limit effort="1"/>)"));
   EXPECT_EQ(model.joint(1).dof[0].upper, infinity);
   EXPECT_EQ(model.joint(2).dof[0].upper, 0);
   EXPECT_EQ(model.joint(2).dof[0].velocity, infinity);
@@ -119,8 +119,8 @@ TEST(Urdf, TheLargestDoubleAndInfMeanNoLimit) {
 TEST(Urdf, FloatingAndPlanarJointsHaveSixAndThreeDegreesOfFreedom) {
   const Model model =
       model_of_urdf(link("a") + link("b") + link("c") + joint("j", "floating", "a", "b") +
-               joint("k", "planar", "b", "c",
-                     R"(<axis xyz="0 1 0"/><limit velocity="2" effort="3"/><dynamics damping="0.1"/>)"));
+                    joint("k", "planar", "b", "c",
+                          R"(<axis xyz="0 1 0"/><limit velocity="2" effort="3"/><dynamics damping="0.1"/>)"));
   EXPECT_EQ(model.joint(1).kind, Subgroup::free);
   EXPECT_EQ(model.joint(2).kind, Subgroup::planar);
   ASSERT_EQ(model.joint(2).dof.size(), 3U);
@@ -130,9 +130,9 @@ TEST(Urdf, FloatingAndPlanarJointsHaveSixAndThreeDegreesOfFreedom) {
 }
 
 TEST(Urdf, LimitsTheWrongWayRoundAreNone) {
-  const Model model =
-      model_of_urdf(link("a") + link("b") +
-               joint("j", "revolute", "a", "b", R"(<limit lower="1" upper="-1" velocity="2" effort="3"/>)"));
+  const Model model = model_of_urdf(
+      link("a") + link("b") +
+      joint("j", "revolute", "a", "b", R"(<limit lower="1" upper="-1" velocity="2" effort="3"/>)"));
   EXPECT_TRUE(test::same(model.joint(1).dof[0], Dof{-infinity, infinity, 2, 3, 0, 0, 0}));
   EXPECT_THAT(messages(model),
               ElementsAre(HasSubstr("joint \"j\": lower limit 1 is above upper limit -1; it is "
@@ -140,8 +140,9 @@ TEST(Urdf, LimitsTheWrongWayRoundAreNone) {
 }
 
 TEST(Urdf, AJointThatFollowsOneWhichDoesNotExistMovesOnItsOwn) {
-  const Model model = model_of_urdf(link("a") + link("b") + link("c") + joint("left", "continuous", "a", "b") +
-                               joint("right", "continuous", "a", "c", R"(<mimic joint="lefd"/>)"));
+  const Model model =
+      model_of_urdf(link("a") + link("b") + link("c") + joint("left", "continuous", "a", "b") +
+                    joint("right", "continuous", "a", "c", R"(<mimic joint="lefd"/>)"));
   EXPECT_EQ(model.nq(), 2);
   EXPECT_THAT(messages(model),
               ElementsAre(HasSubstr("joint \"right\": follows joint \"lefd\", which is not "
@@ -197,8 +198,8 @@ TEST(Urdf, MimicCouplesAJoint) {
 
 TEST(Urdf, LoopJointsCloseLoopsBetweenFramesOfLinks) {
   const Model model = model_of_urdf(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
-                               joint("k", "continuous", "a", "c") +
-                               R"(<loop_joint name="pin" type="spherical"><link1 link="b" xyz="1 0 0"/>
+                                    joint("k", "continuous", "a", "c") +
+                                    R"(<loop_joint name="pin" type="spherical"><link1 link="b" xyz="1 0 0"/>
       <link2 link="c" xyz="0 1 0" rpy="0 0 -1.5707963267948966"/></loop_joint>
       <loop_joint name="axle" type="continuous"><link1 link="b"/><link2 link="a" xyz="0 0 1"/></loop_joint>)");
   ASSERT_EQ(model.loops().all.size(), 2U);
@@ -215,7 +216,7 @@ TEST(Urdf, LoopJointsCloseLoopsBetweenFramesOfLinks) {
 
 TEST(Urdf, FixedLinksAreMergedAndStayFrames) {
   const Model model = model_of_urdf(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
-                               joint("k", "fixed", "b", "c", R"(<origin xyz="0 0 2"/>)"));
+                                    joint("k", "fixed", "b", "c", R"(<origin xyz="0 0 2"/>)"));
   EXPECT_EQ(model.n_bodies(), 1);
   EXPECT_EQ(model.body(1).M.m, 2);
   EXPECT_LT(norm(center_of_mass(model.body(1).M) - Vec3<>{0.1, 0, 1}), 1e-15);
@@ -228,7 +229,7 @@ TEST(Urdf, TheInertiaIsTurnedIntoTheAxesOfTheLink) {
   const Model model = model_of_urdf(R"(<link name="a"/><link name="b"><inertial>
       <origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/><mass value="3"/>
       <inertia ixx="1" ixy="0.1" ixz="0" iyy="2" iyz="0" izz="2.5"/></inertial></link>)" +
-                               joint("j", "continuous", "a", "b"));
+                                    joint("j", "continuous", "a", "b"));
   const Inertia<>& M = model.body(1).M;
   const Sym3<> Theta_c = inertia_about_com(M);
   EXPECT_NEAR(Theta_c.xx, 2, 1e-14);
@@ -240,9 +241,9 @@ TEST(Urdf, TheInertiaIsTurnedIntoTheAxesOfTheLink) {
 TEST(Urdf, ALinkWithoutInertialIsMasslessAndZeroesAreOneDoubt) {
   const std::string zero = R"(<inertial><mass value="0"/>
     <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>)";
-  const Model model = model_of_urdf("<link name=\"a\"/><link name=\"b\">" + zero + "<link name=\"c\">" + zero +
-                               link("d") + joint("j", "continuous", "a", "b") +
-                               joint("k", "continuous", "b", "c") + joint("l", "continuous", "c", "d"));
+  const Model model = model_of_urdf("<link name=\"a\"/><link name=\"b\">" + zero + "<link name=\"c\">" +
+                                    zero + link("d") + joint("j", "continuous", "a", "b") +
+                                    joint("k", "continuous", "b", "c") + joint("l", "continuous", "c", "d"));
   EXPECT_EQ(model.total_mass(), 1);
   EXPECT_THAT(messages(model),
               ElementsAre(HasSubstr("mass and inertia are 0; a massless link needs no <inertial> (2 "
@@ -252,7 +253,7 @@ TEST(Urdf, ALinkWithoutInertialIsMasslessAndZeroesAreOneDoubt) {
 TEST(Urdf, AnInertiaOfNoDensityIsAWarning) {
   const Model model = model_of_urdf(R"(<link name="a"/><link name="b"><inertial><mass value="1"/>
       <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="3"/></inertial></link>)" +
-                               joint("j", "continuous", "a", "b"));
+                                    joint("j", "continuous", "a", "b"));
   EXPECT_THAT(messages(model), ElementsAre(HasSubstr("no density can produce its inertia")));
 }
 
@@ -293,7 +294,7 @@ TEST(Urdf, ShapesThatNobodyCanDrawAreDoubts) {
       <visual><geometry><sphere/></geometry></visual><collision><geometry><cylinder radius="-1" length="0"/></geometry>
       </collision><visual><geometry><sphere radius="1"/></geometry><material name="m"><color rgba="1 2 3 1"/></material>
       </visual></link><link name="ground"/>)" +
-                               joint("j", "fixed", "ground", "a"));
+                                    joint("j", "fixed", "ground", "a"));
   ASSERT_EQ(model.description().bodies[0].shapes.size(), 2U);
   EXPECT_THAT(messages(model),
               ElementsAre(HasSubstr("<box> size is \"1 1\"; it needs 3 numbers and has 2; it is ignored"),
@@ -323,8 +324,8 @@ TEST(Urdf, EachKindOfUnknownElementIsOneWarningWithItsFirstLine) {
 TEST(Urdf, SafetyControllerAndCalibrationAreKnown) {
   const Model model =
       model_of_urdf(link("a") + link("b") +
-               joint("j", "continuous", "a", "b",
-                     R"(<safety_controller k_velocity="1" k_position="2" soft_lower_limit="0"/>
+                    joint("j", "continuous", "a", "b",
+                          R"(<safety_controller k_velocity="1" k_position="2" soft_lower_limit="0"/>
                                         <calibration rising="0.1"/>)"));
   EXPECT_THAT(messages(model), ElementsAre());
 }
@@ -345,9 +346,9 @@ TEST(Urdf, TheRootIsFixedSetFreeOrTheGround) {
 
 TEST(Urdf, ALinkCalledGroundThatIsNoRootHasAnotherName) {
   const std::string names = link("base") + link("ground") + link("ground_2") + link("arm");
-  const Model model =
-      model_of_urdf(names + joint("j", "continuous", "base", "ground") +
-               joint("k", "continuous", "ground", "arm") + joint("l", "continuous", "ground", "ground_2"));
+  const Model model = model_of_urdf(names + joint("j", "continuous", "base", "ground") +
+                                    joint("k", "continuous", "ground", "arm") +
+                                    joint("l", "continuous", "ground", "ground_2"));
   EXPECT_EQ(model.body(model.joint_index("j")).name, "ground_3");
   EXPECT_EQ(model.body(model.joint_index("k")).predecessor, model.joint_index("j"));
   EXPECT_EQ(model.body(model.joint_index("l")).name, "ground_2");
@@ -363,8 +364,8 @@ TEST(Urdf, NumbersDoNotDependOnTheLocale) {
     std::string do_grouping() const override { return "\3"; }
   };
   const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
-  const Model model = model_of_urdf(link("a") + link("b") +
-                               joint("j", "continuous", "a", "b", R"(<origin xyz="1234.5 +2.25 -1e-3"/>)"));
+  const Model model = model_of_urdf(
+      link("a") + link("b") + joint("j", "continuous", "a", "b", R"(<origin xyz="1234.5 +2.25 -1e-3"/>)"));
   const std::string drawing = test::drawing_of(model), urdf = test::urdf_of(model);
   const Model again = ModelBuilder(read_drawing_text(drawing, "again.toml")).build();
   std::locale::global(before);

@@ -31,9 +31,9 @@ Tree<D6> displaced(const Tree<double>& tree, int i) {
   };
   const Vec3<D6> w{unit(0), unit(1), unit(2)}, v{unit(3), unit(4), unit(5)};
   const auto column = [&](const Vec3<D6>& axis) { return axis + cross(w, axis); };
-  const SE3<D6> exp{
-      {column({D6(1.0), D6(0.0), D6(0.0)}), column({D6(0.0), D6(1.0), D6(0.0)}), column({D6(0.0), D6(0.0), D6(1.0)})},
-      v};
+  const SE3<D6> exp{{column({D6(1.0), D6(0.0), D6(0.0)}), column({D6(0.0), D6(1.0), D6(0.0)}),
+                     column({D6(0.0), D6(0.0), D6(1.0)})},
+                    v};
   const SE3<D6> O = cast<D6>(tree.frame_offset[static_cast<std::size_t>(i)]);
   moved.B[static_cast<std::size_t>(i)] = moved.B[static_cast<std::size_t>(i)] * O * exp * inverse(O);
   return moved;

@@ -187,8 +187,9 @@ TEST(Edit, AModelRebuiltFromItsDescriptionIsTheSame) {
 
 TEST(Edit, TheBodyToEditMustExist) {
   ModelBuilder builder(arm());
-  EXPECT_THAT([&] { builder.body("hnad"); },
-              throws_message("ModelBuilder::body: model \"arm\" has no body \"hnad\"; did you mean \"hand\"?"));
+  EXPECT_THAT(
+      [&] { builder.body("hnad"); },
+      throws_message("ModelBuilder::body: model \"arm\" has no body \"hnad\"; did you mean \"hand\"?"));
 }
 
 TEST(Edit, ABadEditIsRefusedAndTheBuilderStays) {

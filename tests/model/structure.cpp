@@ -455,7 +455,8 @@ TEST(Structure, AFreeBaseIsSetFreeWhereItWasFixed) {
     for (const Frame& frame : held.frames())
       EXPECT_LE(distance(C_held[held.frame_index(frame.name)], C_loose[loose.frame_index(frame.name)]),
                 10 * to_rounding);
-    EXPECT_NEAR(loose.total_mass(), robot.bodies[0].inertia->mass + robot.bodies[1].inertia->mass, to_rounding);
+    EXPECT_NEAR(loose.total_mass(), robot.bodies[0].inertia->mass + robot.bodies[1].inertia->mass,
+                to_rounding);
   }
 }
 
