@@ -1,5 +1,6 @@
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/mass_matrix/mass_matrix.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 #include "axode/scalar/index.hpp"
 
@@ -12,15 +13,12 @@ using Matrix = Eigen::MatrixXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Joints = GroupDerivatives::Joints;
 
-std::span<const double> entries(const VectorXd& x) { return {x.data(), index(x.size())}; }
-std::span<double> entries(RowMajor& x) { return {x.data(), index(x.size())}; }
-
 }  // namespace
 
 void ContactStepDerivative::take_momenta(const VectorXd& q, const VectorXd& v, Momenta& out) {
   const Eigen::Index nv = v.size();
   for (Matrix* x : {&out.M, &out.Mv_q, &out.F_q, &out.F_v}) x->resize(nv, nv);
-  mass_matrix(model_, workspace_, Numbers<double>(entries(q)), std::span(out.M.data(), index(nv * nv)));
+  mass_matrix(model_, workspace_, Numbers<double>(as_span(q)), std::span(out.M.data(), index(nv * nv)));
   momenta_->kinetic(*tree_, q.data(), v.data(), out.Mv_q.data(), out.F_q.data(), out.F_v.data());
   out.factor.compute(out.M);
 }
@@ -137,7 +135,7 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
   velocity += gain;
   take_momenta(part.q_0, gain, at);
   RowMajor gravity(nv, nv);
-  gravity_derivatives(model_, workspace_, Numbers<double>(entries(part.q_0)), entries(gravity));
+  gravity_derivatives(model_, workspace_, Numbers<double>(as_span(part.q_0)), as_span(gravity));
   Matrix momenta = dp - (part.h / 2 * gravity + at.Mv_q) * dq;
   if (p_ > 0) {
     parameter_changes_.run(part.q_0.data(), gain.data(), along_);
@@ -177,7 +175,7 @@ void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& 
     }
   }
   RowMajor gravity(nv, nv);
-  gravity_derivatives(model_, workspace_, Numbers<double>(entries(part.q_middle)), entries(gravity));
+  gravity_derivatives(model_, workspace_, Numbers<double>(as_span(part.q_middle)), as_span(gravity));
   for (const Base& base : bases_) {
     const Topology& topology = model_.topology();
     for (int i = base.body; i < topology.subtree_end[index(base.body)]; ++i) {
@@ -193,9 +191,9 @@ void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& 
     for (Eigen::Index c = 0; c < nv; ++c) f_v(c, c) -= tree_->damping[index(c)];
   if (!model_.springs().empty()) {
     RowMajor by_place(nv, nv), by_velocity(nv, nv);
-    spring_force_derivatives(model_, workspace_, Numbers<double>(entries(part.q_middle)),
-                             Numbers<double>(entries(part.v_middle)),
-                             {entries(by_place), entries(by_velocity)});
+    spring_force_derivatives(model_, workspace_, Numbers<double>(as_span(part.q_middle)),
+                             Numbers<double>(as_span(part.v_middle)),
+                             {as_span(by_place), as_span(by_velocity)});
     Matrix along_frames = none, velocities = none, turned = Matrix::Zero(nv, nv);
     add_frame_changes(h / 2, h / 2, 1, none, &along_frames, &velocities);
     df += by_place * along_frames + by_velocity * velocities;
