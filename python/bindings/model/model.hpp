@@ -5,7 +5,7 @@
 
 #include "python/bindings/support/bound_model.hpp"
 
-/// What the files of this folder share: the classes Joint and Body of Python, and parts of the class Model.
+/// The objects behind the classes Joint and Body of Python, and the functions that bind parts of the class Model.
 namespace axode::python {
 
 /// A joint that Python holds, with its model, from which the names of its indices follow.
