@@ -259,15 +259,15 @@ template AXODE_ENTRY AXODE_T inverse_dynamics(const Model&, LoopWorkspace<AXODE_
                                               Numbers<AXODE_T>);
 template AXODE_ENTRY Solvability impact(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
                                         Numbers<AXODE_T>, AXODE_T, std::span<AXODE_T>, std::span<AXODE_T>);
-#define AXODE_WRENCHES(Rep)                                                                                 \
-  template void loop_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,                 \
-                                   Numbers<AXODE_T>, std::span<Wrench<Rep, AXODE_T>>);                      \
-  template void joint_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,                \
-                                    Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,                   \
-                                    std::span<Wrench<Rep, AXODE_T>>, const Loads<AXODE_T>&, WrenchPoint);   \
-  template AXODE_T joint_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,             \
-                                       Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<Wrench<Rep, AXODE_T>>, \
-                                       std::span<const int>, const Loads<AXODE_T>&, WrenchPoint)
+#define AXODE_WRENCHES(Rep)                                                                             \
+  template AXODE_ENTRY void loop_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, \
+                                               Numbers<AXODE_T>, std::span<Wrench<Rep, AXODE_T>>);      \
+  template AXODE_ENTRY void joint_wrenches<Rep>(                                                        \
+      const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,      \
+      Numbers<AXODE_T>, std::span<Wrench<Rep, AXODE_T>>, const Loads<AXODE_T>&, WrenchPoint);           \
+  template AXODE_ENTRY AXODE_T joint_wrenches<Rep>(                                                     \
+      const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,      \
+      std::span<Wrench<Rep, AXODE_T>>, std::span<const int>, const Loads<AXODE_T>&, WrenchPoint)
 AXODE_WRENCHES(BodyFixed);
 AXODE_WRENCHES(Spatial);
 AXODE_WRENCHES(Hybrid);
