@@ -98,12 +98,12 @@ bool is_rod(const Inertia<>& M, const Vec3<>& point) {
   return along < 0.3 * (Theta.xx + Theta.yy + Theta.zz - along) / 2;
 }
 
-/// The kind of joint of the tree as which a loop joint is drawn. Empty for a rolling contact, and for a
-/// fixed, prismatic or translational loop joint: where such a loop joint is on its bodies has no influence on
-/// the motion.
+/// The kind of joint of the tree as which a loop joint is drawn. Empty for a rolling contact, for a belt, and
+/// for a fixed, prismatic or translational loop joint: where such a loop joint is on its bodies has no
+/// influence on the motion.
 std::optional<Subgroup> like_joint(LoopKind kind) {
   const LoopTraits& loop = traits(kind);
-  if (!loop.located || loop.has("center")) return std::nullopt;
+  if (!loop.located || loop.has("center") || loop.has("radii")) return std::nullopt;
   if (loop.has("points") || loop.free[0]) return Subgroup::spherical;
   return loop.free[3] ? Subgroup::planar : Subgroup::revolute;
 }

@@ -190,6 +190,24 @@ TEST(StandIns, DrivesHaveAColorOfTheirOwnAndHingesOnTheGroundAMount) {
   EXPECT_EQ(pins["[0.31,0.36,0.42,1.0]"], 2 + 1);  // those of two passive joints and of the loop
 }
 
+TEST(StandIns, ABeltIsNoJointOfItsPulleys) {
+  const auto pulley = [](const char* name, const Vec3<>& center) {
+    return BodyDescription{.name = name,
+                           .joint = {.kind = JointKind::revolute, .axis = {0, 0, 1}, .point = center},
+                           .inertia = MassProperties{.mass = 1, .com = center, .Theta = {1, 1, 2}}};
+  };
+  Description d{.name = "belt drive"};
+  d.bodies = {pulley("small", {}), pulley("large", {1, 0, 0})};
+  const Model without = ModelBuilder(d).build();
+  LoopDescription belt{.name = "belt", .between = {"small", "large"}, .kind = LoopKind::belt};
+  belt.points = {Vec3<>{}, Vec3<>{1, 0, 0}};
+  belt.radii = {0.1, 0.3};
+  d.loops = {belt};
+  const Model with = ModelBuilder(d).build();
+  const std::vector<bool> none(3, false);
+  EXPECT_EQ(view::stand_ins(with, none).size(), view::stand_ins(without, none).size());
+}
+
 TEST(StandIns, AnAxisymmetricBodyIsTheCylinderWithItsInertia) {
   for (const double ratio : {0.1, 0.9, 1.4, 1.9}) {  // the moment of inertia about the axis, divided by that
                                                      // across it
