@@ -363,7 +363,7 @@ array([-1.,  0.,  0.])
             Given<Inertia<>>{"M", M}, Given<Screw<>>{"V", V}, Given<Screw<>>{"dV", dV});
       },
       "jk"_a, "M"_a, "V"_a, "dV"_a, R"(
-The wrench ^kW^j that a body needs for its motion, all measured at F_j and resolved in F_k (eq. NEij, corrected): (..., 6).
+The wrench ^kW^j that a body needs for its motion, all measured at F_j and resolved in F_k (eq. NEij): (..., 6).
 
 M (..., 6, 6), V, dV (..., 6) as `inertia_in_frames`, `twist_in_frames` and `twist_rate_in_frames` give them; N m and N,
 without gravity.
