@@ -120,12 +120,6 @@ std::string method_of(const SimulateOptions& options, const Model& model) {
   return options.method.empty() ? std::string(usual_method(model)) : options.method;
 }
 
-bool has_hard_stops(const Model& model) {
-  return std::ranges::any_of(model.joints(), [](const Joint& joint) {
-    return std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.hard_stops; });
-  });
-}
-
 Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
                      const SimulateOptions& options) {
   SimulationOptions acting;
@@ -231,6 +225,10 @@ void print(const Trajectory& motion, const WrittenMotion& rows) {
   if (!motion.certificates.empty())
     fmt::print("largest certificate of contact {}\n", significant(std::ranges::max(motion.certificates), 2));
   print_contact_events(motion);
+  if (rows.motion_forces.cols() == 0 && !motion.model().motions().empty())
+    fmt::print("{}\n", in(Ink::warning,
+                          "the forces of prescribed motions are left out: those of the hard stops, against "
+                          "which they may push, are not known"));
   if (rests(rows))
     fmt::print("{}\n", in(Ink::heading,
                           "nothing moves: the mechanism is at rest, in equilibrium; begin elsewhere by "

@@ -9,6 +9,7 @@
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 #include "axode/drives.hpp"
 #include "axode/eigen.hpp"
+#include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/model/building/placement.hpp"
 #include "axode/view.hpp"
 
@@ -45,7 +46,8 @@ std::vector<std::string> load_names(const Model& model, const std::vector<int>& 
 WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const Loads<>& loads,
                              int samples) {
   const Model& model = motion.model();
-  const auto motions = static_cast<Eigen::Index>(model.motions().size());
+  const bool stopped = !motion.certificates.empty() && has_hard_stops(model);
+  const auto motions = static_cast<Eigen::Index>(stopped ? 0 : model.motions().size());
   std::vector<double> times(motion.t().begin(), motion.t().end());
   if (samples > 0) {
     times.clear();

@@ -15,7 +15,8 @@ namespace axode::command {
 struct WrittenMotion {
   Eigen::VectorXd t, energy, kinetic_energy;
   Eigen::MatrixXd q, v, a, tau;
-  /// The force that each prescribed motion needs, also against the forces of contacts.
+  /// The force that each prescribed motion needs, also against the forces of contacts. Has no columns if hard
+  /// stops act, whose forces a motion does not record.
   Eigen::MatrixXd motion_forces;
   std::vector<std::string> drive_states;
   Eigen::MatrixXd x;  ///< states of the drives

@@ -31,11 +31,6 @@ bool has_shapes_that_touch(const Model& model) {
   return d.contact && (touches(d.shapes) || std::ranges::any_of(d.bodies, carries));
 }
 
-bool has_hard_stops(const Model& model) {
-  const auto is_stopped = [](const Joint& joint) { return std::ranges::any_of(joint.dof, &Dof::hard_stops); };
-  return std::ranges::any_of(model.joints(), is_stopped);
-}
-
 std::shared_ptr<SteppedMotion::Fixed> SteppedMotion::fixed(const Model& model, const Settings& settings) {
   auto made = std::make_shared<Fixed>(
       Fixed{.model = model, .tau = std::vector<double>(static_cast<std::size_t>(model.nv()))});

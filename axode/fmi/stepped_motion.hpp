@@ -7,13 +7,13 @@
 #include "axode/contact/contact_shapes.hpp"
 #include "axode/fmi/variables.hpp"
 #include "axode/integration/momenta/contact_motion.hpp"
+#include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/runs/simulation_run.hpp"
 
 namespace axode::fmi {
 
 /// Whether the mechanism has settings of contact and collision shapes.
 bool has_shapes_that_touch(const Model& model);
-bool has_hard_stops(const Model& model);
 /// Whether a co-simulation of the mechanism is a simulation with contact.
 inline bool moves_with_contact(const Model& model) {
   return has_shapes_that_touch(model) || has_hard_stops(model);

@@ -292,6 +292,33 @@ q = { ball = [0, 0, 0, 1, 0, 0, 0.1] }
   }
 }
 
+TEST(SimulateCommand, LeavesOutTheForcesOfMotionsThatHardStopsMayResist) {
+  const TemporaryFolder folder;
+  const std::string driven = R"([[body]]
+name = "tip"
+on = "rod"
+joint = { name = "wrist", kind = "revolute", axis = "y", point = [0, 0, -1], limits = [-0.1, 0.1], stop = "hard" }
+mass = 0.2
+com = [0, 0, -1.2]
+inertia = [0.01, 0.01, 0.01]
+[[motion]]
+of = "shake"
+kind = "harmonic"
+amplitude = 0.1
+frequency = 1
+)";
+  const auto moved = [&](const std::string& method, const std::string& format) {
+    return simulated(folder, driven, {"--method", method, "--until", "0.2", "--format", format});
+  };
+  for (const char* method : {"contact", "contact_exact"}) {
+    const Outcome outcome = moved(method, "json");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_FALSE(Motion::parse(outcome.out).contains("motion_forces"));
+    EXPECT_THAT(moved(method, "text").out,
+                testing::HasSubstr("the forces of prescribed motions are left out: those of the hard stops"));
+  }
+}
+
 TEST(SimulateCommand, WritesTheStatesOfDrives) {
   const TemporaryFolder folder;
   const std::string driven =

@@ -1,5 +1,6 @@
 #include "axode/integration/momenta/simulate_contact.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -27,6 +28,11 @@ constexpr catalog::Counts of_simulations = [] {
 }();
 
 }  // namespace
+
+bool has_hard_stops(const Model& model) {
+  const auto is_stopped = [](const Joint& joint) { return std::ranges::any_of(joint.dof, &Dof::hard_stops); };
+  return std::ranges::any_of(model.joints(), is_stopped);
+}
 
 void check_contact(const Model& model, const ContactShapes& shapes) {
   check_shapes(model, shapes);

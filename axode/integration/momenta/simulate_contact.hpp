@@ -15,6 +15,9 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});
 
+/// Whether a joint has hard stops.
+bool has_hard_stops(const Model& model);
+
 /// Checks the arguments of rollouts with contact. Throws std::invalid_argument if the shapes were made from a
 /// model with another number of moving bodies, and for prescribed motions and couplings with play.
 void check_contact(const Model& model, const ContactShapes& shapes);
