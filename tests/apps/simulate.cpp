@@ -314,7 +314,7 @@ frequency = 1
     const Outcome outcome = moved(method, "json");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_FALSE(Motion::parse(outcome.out).contains("motion_forces"));
-    EXPECT_THAT(moved(method, "text").out,
+    EXPECT_THAT(moved(method, "table").out,
                 testing::HasSubstr("the forces of prescribed motions are left out: those of the hard stops"));
   }
 }

@@ -227,7 +227,7 @@ TEST(ConstraintEmbedding, FindsMultipliers) {
 TEST(ConstraintEmbedding, HasTheTimeDerivativesOfTheForces) {
   int seen = 0;
   Comparison forces("forces", 1e-7);
-  for_seeds(8, [&](std::uint64_t seed) {
+  for_seeds(20, [&](std::uint64_t seed) {
     Moving at(seed, 6);
     if (!at.resolved || !singularities(at.space, at.q, 0.05).empty()) return;
     ++seen;
