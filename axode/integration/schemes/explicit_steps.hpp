@@ -124,7 +124,7 @@ inline constexpr const char* jumps =
 /// `too_weak`, the step is first repeated up to `most_shortened` times, each time shorter by the factor
 /// `shortened`, until weakest_row() is larger.
 inline constexpr int most_passing = 20, most_shortened = 6;
-inline constexpr double too_weak = 1e-6, shortened = 0.85;
+inline constexpr double too_weak = 1e-5, shortened = 0.85;
 
 /// Takes adaptive steps with Dormand's and Prince's method.
 template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
