@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "axode/recursion/forward_kinematics.hpp"
 #include "axode/recursion/loads.hpp"
 
@@ -36,12 +38,18 @@ template <class T> struct SpatialTree {
   template <TreeOf<T> AnyTree> void run(const AnyTree& t, const T* q) noexcept {
     topology = t.operator->();
     links.run(t, q);
-    for (int i = 1; i <= t->n; ++i)
-      if (t->parent[i] > 0) origin[i] = origin[t->parent[i]];
     joint_columns(t, link, J);
-    M_body[0] = M[0] = {};
-    for (int i = 1; i <= t->n; ++i) M_body[i] = M[i] = transform(link[i].C, t.M[i]);
-    sum_subtrees(*topology, M);
+    for (int i = 1; i <= t->n; ++i) M_body[i] = transform(link[i].C, t.M[i]);
+    finish();
+  }
+  /// Computes all members from the links, screws and rigid inertias of articulated bodies.
+  template <class Bodies> void take(const Topology& of_tree, const Bodies& bodies) noexcept {
+    topology = &of_tree;
+    std::copy_n(bodies.links.link, of_tree.n + 1, link);
+    std::copy_n(bodies.links.origin, of_tree.n + 1, origin);
+    std::copy_n(bodies.S, of_tree.first_screw[of_tree.n + 1], J);
+    std::copy_n(bodies.M_body, of_tree.n + 1, M_body);
+    finish();
   }
 
   /// Calls f(c, J_c) for each screw J_c of the joint of body i; c is the index of its velocity.
@@ -71,6 +79,16 @@ template <class T> struct SpatialTree {
       V[i] = V[topology->parent[i]];
       each_screw(i, [&](int c, const Twist<Spatial, T>& J_c) { V[i] += v[c] * J_c; });
     }
+  }
+
+ private:
+  /// Sets the origins of all bodies to those of their root bodies, and sums the inertias of subtrees.
+  void finish() noexcept {
+    for (int i = 1; i <= topology->n; ++i)
+      if (topology->parent[i] > 0) origin[i] = origin[topology->parent[i]];
+    M_body[0] = {};
+    std::copy_n(M_body, topology->n + 1, M);
+    sum_subtrees(*topology, M);
   }
 };
 

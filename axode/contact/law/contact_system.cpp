@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "axode/scalar/index.hpp"
 
@@ -59,13 +60,25 @@ ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t c
   active_.reserve(stops_.size());
   V_.resize(bodies);
   Pi_.resize(bodies);
+  q_.assign(index(model.nq()), std::numeric_limits<double>::quiet_NaN());
   path_.reserve(bodies);
   support_.reserve(nv + 1);
   place_.resize(nv);
 }
 
-void ContactSystem::poses(const double* q, SE3<>* C) noexcept {
+void ContactSystem::place(const double* q) noexcept {
+  if (!q_.empty() && std::equal(q_.begin(), q_.end(), q)) return;
+  std::copy_n(q, q_.size(), q_.begin());
   loops_.update_kinematics(q);
+}
+
+void ContactSystem::bias_forces(const double* q, const double* v, const Loads<>& loads, double* h) noexcept {
+  std::ranges::fill(q_, std::numeric_limits<double>::quiet_NaN());
+  loops_.move(q, v, loads, h);
+}
+
+void ContactSystem::poses(const double* q, SE3<>* C) noexcept {
+  place(q);
   C[0] = {};
   for (int i = 1; i <= model_.n_bodies(); ++i) {
     const SE3<>& link = loops_.link(i).C;
@@ -83,7 +96,7 @@ Solvability ContactSystem::set(const double* q, std::span<const Contact> contact
   room_.clear();
   active_.clear();
   ends_of_path_ = {-1, -1};
-  loops_.update_kinematics(q);
+  place(q);
   armature_ = tree().armature;
   if (resistance)
     for (std::size_t c = 0; c < armature_.size(); ++c) armature_[c] += resistance[c];
@@ -117,16 +130,20 @@ void ContactSystem::find_path(int a, int b) {
   const Topology& topology = *tree().operator->();
   path_.clear();
   support_.clear();
-  const auto add = [&](int c, const double&, const double&) { support_.push_back(c); };
   for (int i = a, j = b; i > 0 || j > 0;) {
     const int k = std::max(i, j);
     path_.push_back({k, (j == k ? 1 : 0) - (i == k ? 1 : 0)});
     if (i == k) i = topology.parent[k];
     if (j == k) j = topology.parent[k];
-    loops_.bodies().each_pivot(tree(), k, add);
   }
+  const auto add = [&](int c, const double&, const double&) { support_.push_back(c); };
   loops_.bodies().each_pivot(tree(), 0, add);
-  std::ranges::sort(support_);
+  for (std::size_t k = path_.size(); k-- > 0;)
+    if (is_coupled())
+      loops_.bodies().each_pivot(tree(), path_[k].body, add);
+    else
+      each_screw(path_[k].body, [&](int c, int) { support_.push_back(c); });
+  if (!std::ranges::is_sorted(support_)) std::ranges::sort(support_);
   for (std::size_t k = 0; k < support_.size(); ++k) place_[index(support_[k])] = static_cast<int>(k);
 }
 
@@ -163,7 +180,6 @@ Wrench<Spatial> ContactSystem::at_root(int body, const Vec3<>& point,
 }
 
 void ContactSystem::add_contact(const Contact& contact, int& compliance) {
-  const Topology& topology = *tree().operator->();
   find_path(contact.a, contact.b);
   double* Y = nullptr;
   const bool pressed = contact.normal_impulse.has_value();
@@ -171,10 +187,6 @@ void ContactSystem::add_contact(const Contact& contact, int& compliance) {
   if (compliant) support_.push_back(compliance++);
   double* J = add_block(pressed ? ContactLaw::pressed : ContactLaw::contact, contact_rows_,
                         contact.normal_impulse.value_or(0), Y, compliant);
-  const auto& [n, t1, t2] = contact_frame(contact.normal);
-  const Vec3<> o;
-  const std::array<Wrench<Spatial>, LawBlock::most_rows> rows{
-      Wrench<Spatial>{o, n}, {o, t1}, {o, t2}, {n, o}, {t1, o}, {t2, o}};
   const SurfacePair& surface = contact.surface;
   const std::array<double, LawBlock::most_rows> factors{1,
                                                         surface.friction,
@@ -182,46 +194,58 @@ void ContactSystem::add_contact(const Contact& contact, int& compliance) {
                                                         surface.spin_friction,
                                                         surface.rolling_friction,
                                                         surface.rolling_friction};
-  const std::size_t width = support_.size(), first = problem_.c.size() - index(contact_rows_);
-  const auto& bodies = loops_.bodies();
-  std::array<Wrench<Spatial>, LawBlock::most_rows> on_a, on_b;
-  for (std::size_t k = 0; k < index(contact_rows_); ++k, J += width) {
-    problem_.c[first + k] = factors[k];
-    on_a[k] = at_root(contact.a, contact.point, rows[k]);
-    on_b[k] = at_root(contact.b, contact.point, rows[k]);
-    for (const auto& [i, side] : path_) {
-      if (side == 0) continue;
-      for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
-        const int c = topology.iv[i] + s - topology.first_screw[i];
-        J[place_[index(c)]] += side * ((side > 0 ? on_b : on_a)[k] | bodies.S[s]);
-      }
-    }
-  }
-  if (!topology.coupled_bodies.empty()) {
-    for (std::size_t k = 0; k < index(contact_rows_); ++k, Y += width)
-      pull_row(contact.a, contact.b, on_a[k], on_b[k], unit_.data(), Y);
-  } else {
-    // One sweep for all rows of the contact. The wrenches on b, which are opposite, add up where paths meet.
-    bool met = false;
-    for (std::size_t k = 0; k < index(contact_rows_); ++k) on_b[k] = -1.0 * on_b[k];
-    for (const auto& [i, side] : path_) {
-      if (side == 0 && !met) {
-        for (std::size_t k = 0; k < index(contact_rows_); ++k) on_b[k] += on_a[k];
-        met = true;
-      }
-      auto& on_body = side < 0 ? on_a : on_b;
-      for (int s = topology.first_screw[i + 1] - 1; s >= topology.first_screw[i]; --s) {
-        const int c = topology.iv[i] + s - topology.first_screw[i];
-        double* entry = Y + place_[index(c)];
-        for (std::size_t k = 0; k < index(contact_rows_); ++k, entry += width) {
-          const double u = -(on_body[k] | bodies.S[s]);
-          on_body[k] += (u / bodies.D[s]) * bodies.U[s];
-          *entry = root_[index(c)] * u;
-        }
-      }
-    }
+  std::copy_n(factors.begin(), contact_rows_, problem_.c.end() - contact_rows_);
+  switch (contact_rows_) {
+    case 3: add_rows<3>(contact, J, Y); break;
+    case 4: add_rows<4>(contact, J, Y); break;
+    default: add_rows<6>(contact, J, Y);
   }
   if (compliant) support_.pop_back();
+}
+
+template <int rows> void ContactSystem::add_rows(const Contact& contact, double* J, double* Y) noexcept {
+  const std::size_t width = support_.size();
+  const ContactFrame frame = contact_frame(contact.normal);
+  const std::array axes{frame.n, frame.t1, frame.t2};
+  std::array<Wrench<Spatial>, rows> on_a, on_b;
+  for (std::size_t k = 0; k < rows; ++k) {
+    const Wrench<Spatial> force{{}, axes[k % 3]}, moment{axes[k % 3], {}};
+    on_a[k] = at_root(contact.a, contact.point, k < 3 ? force : moment);
+    on_b[k] = at_root(contact.b, contact.point, k < 3 ? force : moment);
+  }
+  for (const auto& [i, side] : path_) {
+    if (side == 0) continue;
+    const auto& on_body = side > 0 ? on_b : on_a;
+    each_screw(i, [&, side = side](int c, int s) {
+      double* entry = J + place_[index(c)];
+      for (std::size_t k = 0; k < rows; ++k, entry += width)
+        *entry += side * (on_body[k] | loops_.bodies().S[s]);
+    });
+  }
+  if (is_coupled()) {
+    for (std::size_t k = 0; k < rows; ++k, Y += width)
+      pull_row(contact.a, contact.b, on_a[k], on_b[k], unit_.data(), Y);
+    return;
+  }
+  const auto& bodies = loops_.bodies();
+  // One sweep for all rows of the contact. The wrenches on a and b add up where their paths meet.
+  for (Wrench<Spatial>& on : on_a) on = -1.0 * on;
+  bool met = false;
+  for (const auto& [i, side] : path_) {
+    if (side == 0 && !met) {
+      for (std::size_t k = 0; k < rows; ++k) on_b[k] += on_a[k];
+      met = true;
+    }
+    auto& on_body = side < 0 ? on_a : on_b;
+    each_screw_backwards(i, [&](int c, int s) {
+      double* entry = Y + place_[index(c)];
+      for (std::size_t k = 0; k < rows; ++k, entry += width) {
+        const double u = on_body[k] | bodies.S[s];
+        on_body[k] -= (u / bodies.D[s]) * bodies.U[s];
+        *entry = root_[index(c)] * u;
+      }
+    });
+  }
 }
 
 void ContactSystem::add_unit_row(ContactLaw law, int velocity, double side, double bound) {
@@ -256,16 +280,42 @@ void ContactSystem::add_loops(const double* q) {
 
 void ContactSystem::pull(const double* p, double* x) noexcept {
   auto& bodies = loops_.bodies();
-  bodies.backward_sweep(tree(), p);
-  const auto put = [&](int c, const double& u, const double&) { x[c] = root_[index(c)] * u; };
-  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
+  if (is_coupled()) {
+    bodies.backward_sweep(tree(), p);
+    const auto put = [&](int c, const double& u, const double&) { x[c] = root_[index(c)] * u; };
+    for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
+    return;
+  }
+  Wrench<Spatial>* const W = bodies.W;
+  for (int i = 0; i <= tree()->n; ++i) W[i] = {};
+  for (int i = tree()->n; i > 0; --i) {
+    each_screw_backwards(i, [&](int c, int s) {
+      const double u = p[c] - (W[i] | bodies.S[s]);
+      W[i] += (u / bodies.D[s]) * bodies.U[s];
+      x[c] = root_[index(c)] * u;
+    });
+    W[tree()->parent[i]] += W[i];
+  }
 }
 
 void ContactSystem::push(const double* x, double* v) noexcept {
   auto& bodies = loops_.bodies();
-  const auto put = [&](int c, double& u, const double& D) { u = root_[index(c)] * D * x[c]; };
-  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
-  bodies.forward_sweep(tree(), v);
+  if (is_coupled()) {
+    const auto put = [&](int c, double& u, const double& D) { u = root_[index(c)] * D * x[c]; };
+    for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
+    bodies.forward_sweep(tree(), v);
+    return;
+  }
+  Twist<Spatial>* const X = bodies.X;
+  X[0] = {};
+  for (int i = 1; i <= tree()->n; ++i) {
+    X[i] = X[tree()->parent[i]];
+    each_screw(i, [&](int c, int s) {
+      const double u = root_[index(c)] * bodies.D[s] * x[c];
+      v[c] = (u - (bodies.U[s] | X[i])) / bodies.D[s];
+      X[i] += v[c] * bodies.S[s];
+    });
+  }
 }
 
 void ContactSystem::times(const double* v, double* u) const noexcept {
@@ -299,30 +349,22 @@ void ContactSystem::write(double* J) const noexcept {
   }
 }
 
-void ContactSystem::momenta(const double* v, double* p) noexcept {
-  const Topology& topology = *tree().operator->();
-  const Twist<Spatial>* const S = loops_.bodies().S;
-  const auto each_screw = [&](int i, const auto& f) {
-    for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
-      f(topology.iv[i] + s - topology.first_screw[i], S[s]);
-  };
-  move_bodies(v);
-  for (int i = 1; i <= topology.n; ++i)
-    Pi_[index(i)] = transform(loops_.link(i).C, tree().M[i]) * V_[index(i)];
-  sum_subtrees(topology, Pi_.data());
-  for (int c = 0; c < topology.nv; ++c) p[c] = tree().armature[index(c)] * v[c];
-  for (int i = 1; i <= topology.n; ++i)
-    each_screw(i, [&](int c, const Twist<Spatial>& S_c) { p[c] += Pi_[index(i)] | S_c; });
+void ContactSystem::momenta(const double* v, double* p, const Vec3<>& ground) noexcept {
+  const auto& bodies = loops_.bodies();
+  move_bodies(v, ground);
+  for (int i = 1; i <= tree()->n; ++i) Pi_[index(i)] = bodies.M_body[i] * V_[index(i)];
+  sum_subtrees(*tree().operator->(), Pi_.data());
+  for (int c = 0; c < tree()->nv; ++c) p[c] = tree().armature[index(c)] * v[c];
+  for (int i = 1; i <= tree()->n; ++i)
+    each_screw(i, [&](int c, int s) { p[c] += Pi_[index(i)] | bodies.S[s]; });
 }
 
-void ContactSystem::move_bodies(const double* v) noexcept {
-  const Topology& topology = *tree().operator->();
-  V_[0] = {};
-  for (int i = 1; i <= topology.n; ++i) {
+void ContactSystem::move_bodies(const double* v, const Vec3<>& ground) noexcept {
+  V_[0] = {{}, ground};
+  for (int i = 1; i <= tree()->n; ++i) {
     Twist<Spatial>& V = V_[index(i)];
-    V = V_[index(topology.parent[i])];
-    for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
-      V += v[topology.iv[i] + s - topology.first_screw[i]] * loops_.bodies().S[s];
+    V = V_[index(tree()->parent[i])];
+    each_screw(i, [&](int c, int s) { V += v[c] * loops_.bodies().S[s]; });
   }
 }
 

@@ -83,8 +83,11 @@ class ContactSystem {
   /// Computes the poses of the internal frames (joint frames) of all bodies at q (n_bodies + 1 entries). The
   /// constraint rows and the factors of the mass matrix are invalid afterwards.
   void poses(const double* q, SE3<>* C) noexcept;
+  /// The bodies whose mass matrix set() has factorised.
+  const ArticulatedBodies<Spatial, double>& bodies() { return loops_.bodies(); }
   /// Computes the twists of all bodies for the velocities v, at the q of the last call of poses() or set().
-  void move_bodies(const double* v) noexcept;
+  /// The ground moves with the velocity `ground` (m/s).
+  void move_bodies(const double* v, const Vec3<>& ground = {}) noexcept;
   /// Computes the relative velocities (contact_rows() numbers) at a contact along the given axes, for the
   /// motion of the bodies that was computed last.
   void contact_velocity(const Contact& contact, const ContactFrame& axes, double* u) const noexcept;
@@ -139,12 +142,12 @@ class ContactSystem {
   void add_transposed_times(const double* lambda, double* p) const noexcept;
   /// Writes the Jacobian J of all rows, rows × nv numbers, row by row.
   void write(double* J) const noexcept;
-  /// Computes the momenta p = M v (nv) at the configuration of set(), armature included.
-  void momenta(const double* v, double* p) noexcept;
+  /// Computes the momenta p = M v (nv) at the configuration of set(), armature included. If the ground moves
+  /// with the velocity `ground` (m/s), all bodies move with it; p then also contains the impulses that give
+  /// each body this velocity.
+  void momenta(const double* v, double* p, const Vec3<>& ground = {}) noexcept;
   /// Computes the forces (nv) of gravity, Coriolis and centrifugal terms and loads at the q of set().
-  void bias_forces(const double* q, const double* v, const Loads<>& loads, double* h) noexcept {
-    loops_.move(q, v, loads, h);
-  }
+  void bias_forces(const double* q, const double* v, const Loads<>& loads, double* h) noexcept;
   /// Computes, for each row of the loops with the Jacobian A, the part of (A v)' that does not depend on
   /// joint accelerations, for the motion (q, v) of which the bias forces were computed last.
   void loop_bias(double* gamma) noexcept { loops_.bias(gamma); }
@@ -154,6 +157,19 @@ class ContactSystem {
 
  private:
   const Tree<double>& tree() const { return model_.tree<double>(); }
+  bool is_coupled() const { return !tree()->coupled_bodies.empty(); }
+  /// Calls f(c, s) for each screw s of the joint of body i, with the index c of its velocity; the second
+  /// function begins with the last screw.
+  template <class F> void each_screw(int i, const F& f) const {
+    const int first = tree()->first_screw[i], end = tree()->first_screw[i + 1], c = tree()->iv[i] - first;
+    for (int s = first; s < end; ++s) f(c + s, s);
+  }
+  template <class F> void each_screw_backwards(int i, const F& f) const {
+    const int first = tree()->first_screw[i], end = tree()->first_screw[i + 1], c = tree()->iv[i] - first;
+    for (int s = end; s-- > first;) f(c + s, s);
+  }
+  /// Updates the poses and joint screws to q, unless they are already those at q.
+  void place(const double* q) noexcept;
   struct PathBody {
     int body, side;  ///< side: 1 on the path of b, -1 on the path of a, 0 on both
   };
@@ -178,6 +194,7 @@ class ContactSystem {
   /// unknown, unless Contact::normal_impulse has its impulse. `compliance` is the index of this unknown, and
   /// is then increased.
   void add_contact(const Contact& contact, int& compliance);
+  template <int rows> void add_rows(const Contact& contact, double* J, double* Y) noexcept;
   void add_unit_row(ContactLaw law, int velocity, double side, double bound);
   void add_loops(const double* q);
   /// Expresses a wrench W on a body, whose moment is about `point`, about the origin of the root body (the
@@ -195,6 +212,7 @@ class ContactSystem {
   std::vector<char> residual_rows_;  ///< has_residual() of each row of the loops
   std::vector<Twist<Spatial>> V_;
   std::vector<Momentum<Spatial>> Pi_;
+  std::vector<double> q_;             ///< at which place() has computed the kinematics, or NaN
   std::vector<int> root_body_;        ///< the first body on the path from the ground to each body
   std::vector<int> eliminated_at_;    ///< the body where each velocity is eliminated
   std::vector<int> active_;           ///< indices of the stops that have rows

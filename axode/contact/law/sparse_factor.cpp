@@ -70,8 +70,8 @@ void SparseFactor::add_group(std::span<const int> indices) noexcept {
   group_end_.push_back(static_cast<int>(group_indices_.size()));
 }
 
-void SparseFactor::analyse() noexcept {
-  if (n_ == known_n_ && group_end_ == known_end_ && group_indices_ == known_indices_) return;
+bool SparseFactor::analyse() noexcept {
+  if (n_ == known_n_ && group_end_ == known_end_ && group_indices_ == known_indices_) return false;
   known_n_ = n_;
   known_end_ = group_end_;
   known_indices_ = group_indices_;
@@ -80,6 +80,7 @@ void SparseFactor::analyse() noexcept {
   merge_clusters();
   make_nodes();
   make_lists();
+  return true;
 }
 
 /// Finds the clusters: the sets of matrix indices that occur in the same given groups. All indices are one

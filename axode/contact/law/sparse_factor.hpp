@@ -26,8 +26,9 @@ class SparseFactor {
   void begin(int n) noexcept;
   /// Appends a group, given by its indices in ascending order.
   void add_group(std::span<const int> indices) noexcept;
-  /// Ends the list of groups of indices; finds the order of elimination if the groups have changed.
-  void analyse() noexcept;
+  /// Ends the list of groups of indices; finds the order of elimination if the groups have changed, and
+  /// returns whether they have. Factors of earlier matrices are then lost.
+  bool analyse() noexcept;
   /// The approximate number of multiplications of a factorisation, for the groups of the last analyse().
   double cost() const { return cost_; }
 

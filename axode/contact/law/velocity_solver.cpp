@@ -29,6 +29,7 @@ void VelocitySolver::reserve(int nv, int rows) {
   memory_.resize(
       std::max(memory_.size(), index(row_vectors) * index(rows) + index(velocity_vectors) * index(nv)));
   G_memory_.resize(std::max(G_memory_.size(), index(dual) * index(dual)));
+  branches_.reserve(index(rows));
   matrices_.resize(std::max(matrices_.size(), index(rows) * matrix_size));
   for (std::vector<double>* x : {&YB_, &columns_})
     x->resize(std::max(x->size(), index(SparseFactor::padded(nv)) * (most_solved + LawBlock::most_rows)));
@@ -67,7 +68,32 @@ void VelocitySolver::analyse() noexcept {
     if (b.support != last) sparse_.add_group(problem_->support(b));
     last = b.support;
   }
-  sparse_.analyse();
+  if (sparse_.analyse()) branches_.clear();
+}
+
+void VelocitySolver::continue_from(const VelocitySolver& other) {
+  dense_ = other.dense_;
+  sparse_ = other.sparse_;
+  matrices_ = other.matrices_;
+  branches_ = other.branches_;
+  factorized_rows_ = other.factorized_rows_;
+}
+
+/// Keeps the factors of the matrix that was made at the trial impulses z_, for the next call of solve().
+void VelocitySolver::keep_factors() noexcept {
+  factorized_rows_ = by_multipliers_ ? rows_ : -rows_;
+  for (const VelocityProblem::Block& b : problem_->blocks())
+    branches_.push_back(branch_of(b, z_.data() + b.first));
+}
+
+/// Whether there are factors of a matrix of the present size in which each block had the branch of its law
+/// that it has at the trial impulses z_.
+bool VelocitySolver::has_factors() const noexcept {
+  return factorized_rows_ == (by_multipliers_ ? rows_ : -rows_) &&
+         std::ranges::equal(problem_->blocks(), branches_,
+                            [&](const VelocityProblem::Block& b, LawBranch branch) {
+                              return branch_of(b, z_.data() + b.first) == branch;
+                            });
 }
 
 VelocitySolution VelocitySolver::solve(const VelocityProblem& problem, double* lambda, double tolerance,
@@ -224,7 +250,7 @@ double VelocitySolver::newton(double* lambda, double tolerance, const NewtonOpti
   for (int outer = 0; !(e <= tolerance); ++outer) {
     if (e < near) {
       const double before = e;
-      e = polish(lambda, tolerance, options.patience);
+      e = polish(lambda, tolerance, options.patience, e);
       if (e < least) best_ = l;
       least = std::min(e, least);
       if (e <= tolerance || (e <= rounding && e > 0.5 * before)) break;
@@ -239,6 +265,7 @@ double VelocitySolver::newton(double* lambda, double tolerance, const NewtonOpti
     if (!(left <= std::max(0.1 * e, rounding) * size)) {  // A shorter proximal step is easier.
       mu *= 10;
       if (++failed > options.failures || mu > 100) break;
+      e = certify(lambda);
       continue;
     }
     l = resolved_;
@@ -252,24 +279,30 @@ double VelocitySolver::newton(double* lambda, double tolerance, const NewtonOpti
   return least;
 }
 
-double VelocitySolver::polish(double* lambda, double tolerance, int patience) noexcept {
+double VelocitySolver::polish(double* lambda, double tolerance, int patience, double e) noexcept {
   const int most = 8 + 2 * patience;
-  constexpr double linear = 1e-3;
+  constexpr double linear = 1e-3, near = 1e-3;
+  const double precise = 1e-4 * tolerance;  // what steps with new factors usually reach
   const VelocityProblem& p = *problem_;
   const Eigen::Map<const Eigen::VectorXd> d2(p.squared_scales().data(), rows_);
   Vector l(lambda, rows_);
-  double e = certify(lambda), least = e;
+  double least = e;
   int idle = 0;
-  bool factorized = false;  // The factors are used again where the law is almost linear.
+  // The factors are used again where the law is almost linear, also those of the last call of solve().
+  bool old = keeps_factors && e < near && has_factors();
+  bool factorized = old;
   lambda_0_ = l;
   R_ = d2;
   for (int k = 0; k < most; ++k) {  // z_ and residual_ belong to the last certify().
+    if (!factorized) {
+      old = false;
+      by_multipliers_ ? factorize_multipliers(keep) : factorize_velocities(keep);
+      if (keeps_factors) keep_factors();
+    }
     if (by_multipliers_) {
-      if (!factorized) factorize_multipliers(keep);
       step_ = -residual_;
       dense_.solve(rows_, step_.data());
     } else {
-      if (!factorized) factorize_velocities(keep);
       // (1 - (1 - keep) Z)⁻¹ residual = (1 + (1 - keep) B R) residual
       u_ = (1 - keep) * residual_.cwiseProduct(R_);
       multiply_blocks(u_);
@@ -284,13 +317,18 @@ double VelocitySolver::polish(double* lambda, double tolerance, int patience) no
     }
     l += step_;
     e = certify(lambda);
-    if (!(e < 0.5 * least)) ++idle;
     factorized = e < linear * least;
+    if (old && !factorized && !(e <= precise) && !(least <= tolerance)) {  // These factors are too old.
+      l = lambda_0_;
+      e = certify(lambda);
+      continue;
+    }
+    if (!(e < 0.5 * least)) ++idle;
     if (e < least) {
       least = e;
       lambda_0_ = l;
     }
-    if (e <= tolerance || idle > patience) break;
+    if (e <= (old ? precise : tolerance) || idle > patience) break;
   }
   l = lambda_0_;
   return least;
@@ -332,6 +370,7 @@ void VelocitySolver::factorize_velocities(double kept) noexcept { factorize_with
 void VelocitySolver::factorize_with(bool symmetric) noexcept {
   const VelocityProblem& p = *problem_;
   const auto blocks = p.blocks();
+  branches_.clear();
   sparse_.clear(symmetric);
   int group = 0;
   for (std::size_t k = 0; k < blocks.size(); ++group) {
@@ -361,6 +400,7 @@ void VelocitySolver::factorize_with(bool symmetric) noexcept {
 void VelocitySolver::factorize_multipliers(double kept) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
   auto H = dense_.matrix(rows_);
+  branches_.clear();
   for (const VelocityProblem::Block& b : problem_->blocks())
     with_rows(b, [&](auto n) {
       LawMatrix<n()> Z;

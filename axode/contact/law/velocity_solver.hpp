@@ -48,10 +48,20 @@ class VelocitySolver {
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
+  /// Whether solve() may begin with the factors of the last matrix of an earlier call, if all blocks are on
+  /// the same branches of their laws (such as stick). It makes new factors if the old ones do not lower the
+  /// certificate to a thousandth in one step. Results then depend on earlier calls, within the tolerance.
+  bool keeps_factors = false;
+  void forget_factors() noexcept { branches_.clear(); }
+  /// Takes the factors of another solver. Both must have reserved the same memory.
+  void continue_from(const VelocitySolver& other);
+
  private:
   using Vector = Eigen::Map<Eigen::VectorXd>;
 
   void begin(const VelocityProblem& problem) noexcept;
+  void keep_factors() noexcept;
+  bool has_factors() const noexcept;
   void analyse() noexcept;
   double certify(const double* lambda) noexcept;
   /// Maps the trial impulses z_ of all constraint rows to the impulses that the laws of contact allow, by
@@ -88,11 +98,12 @@ class VelocitySolver {
   /// Improves the multipliers λ of the constraint rows by Newton's method for the laws of contact
   /// λ = resolve(λ - u/d²) (D11.9), where u are the velocities of the rows for λ, `resolve` maps a trial
   /// impulse to the impulse that the law allows, and d² is about the diagonal entry of J M⁻¹ Jᵀ for a row,
-  /// with the Jacobian J of the rows and the mass matrix M. Ends when the certificate, the error of the laws
-  /// relative to the velocities of the mechanism, is at most `tolerance`, after more than `patience` steps
-  /// that do not halve its least value, or after 8 + 2 patience steps. Returns the least certificate of all
-  /// λ, including the first, and writes the λ that has it to `lambda`.
-  double polish(double* lambda, double tolerance, int patience) noexcept;
+  /// with the Jacobian J of the rows and the mass matrix M. The last call of certify() must have been for the
+  /// given λ, and e is its result. Ends when the certificate, the error of the laws relative to the
+  /// velocities of the mechanism, is at most `tolerance`, after more than `patience` steps that do not halve
+  /// its least value, or after 8 + 2 patience steps. Returns the least certificate of all λ, including the
+  /// first, and writes the λ that has it to `lambda`.
+  double polish(double* lambda, double tolerance, int patience, double e) noexcept;
 
   /// Makes the matrix B of Newton's method for each block of constraint rows (such as the rows of one
   /// contact): if the velocities u of the block change by δu, the linearised law changes its impulses λ by -B
@@ -167,6 +178,8 @@ class VelocitySolver {
   std::vector<double> memory_;        ///< memory of the vectors below
   std::vector<double> G_memory_;      ///< Yᵀ Y if multipliers are the unknowns
   std::vector<double> matrices_;      ///< the matrix B of each block
+  std::vector<LawBranch> branches_;   ///< of each block in the kept factors; empty if there are none
+  int factorized_rows_ = 0;           ///< of the kept factors; negative if their unknowns are velocities
   std::vector<double> YB_, columns_;  ///< Y B and Y of blocks that move the same velocities
   // Vectors with an entry for each row, and for each velocity.
   Vector u_{nullptr, 0}, b_{nullptr, 0}, z_{nullptr, 0}, R_{nullptr, 0}, resolved_{nullptr, 0},

@@ -52,7 +52,10 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
   remembered_.reserve(capacity);
   forgotten_.reserve(capacity);
   secants_.reserve(rows);
-  solver_.reserve(model.nv(), static_cast<int>(rows));
+  for (End* end : {&start_, &end_}) {
+    end->solver.reserve(model.nv(), static_cast<int>(rows));
+    end->solver.keeps_factors = true;
+  }
   for (int i = 0; i < shapes.size(); ++i)
     reach_of_shape_.push_back(norm(shapes[i].pose.r) + shapes[i].convex.extent);
   for (int i = 0; i < shapes.size(); ++i)
@@ -103,16 +106,20 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
 
 void ContactStep::restart() noexcept {
   remembered_.clear();
-  start_.lambda.clear();
-  end_.lambda.clear();
+  for (End* end : {&start_, &end_}) {
+    end->lambda.clear();
+    end->solver.forget_factors();
+  }
   hard_ = false;
 }
 
 void ContactStep::continue_from(const ContactStep& other) {
   remembered_ = other.remembered_;
   h_of_remembered_ = other.h_of_remembered_;
-  start_.lambda = other.start_.lambda;
-  end_.lambda = other.end_.lambda;
+  for (const auto& [end, from] : {std::pair{&start_, &other.start_}, std::pair{&end_, &other.end_}}) {
+    end->lambda = from->lambda;
+    end->solver.continue_from(from->solver);
+  }
   hard_ = other.hard_;
 }
 
@@ -163,7 +170,7 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
       start_.system.set(q_0.data(), start_.contacts, h / 2, any_stop, run_->resistance(h));
   if (Failure failure = run_->checked(t, verdict)) return failure;
   start_.system.momenta(v_0.data(), p_0_.data());
-  run_->begin(t, h, q_0, v_0, x_0);
+  run_->begin(t, h, q_0, v_0, x_0, start_.system.bodies());
   const bool free = start_.rows() == 0;
   if (Failure failure = free ? run_->fly(p_0_, 0) : move(t, h, v_0, margin)) return failure;
   run_->arrive(v_0);
@@ -237,11 +244,11 @@ void ContactStep::record() {
   record_.add(end_.system.problem(), end_.contacts, end_.lambda.data(), end_.u_after.data(), v.norm());
 }
 
-Failure ContactStep::solve(double t, const VelocityProblem& problem, std::vector<double>& lambda,
-                           double tolerance, double& e) {
-  solver_.reserve(problem.nv(), problem.rows());
+Failure ContactStep::solve(double t, End& end, std::vector<double>& lambda, double tolerance, double& e) {
+  const VelocityProblem& problem = end.system.problem();
+  end.solver.reserve(problem.nv(), problem.rows());
   interruption_ = {};
-  const VelocitySolution solution = solver_.solve(problem, lambda.data(), tolerance, [this, t] {
+  const VelocitySolution solution = end.solver.solve(problem, lambda.data(), tolerance, [this, t] {
     interruption_ = run_->interruption(t);
     return !interruption_;
   });
@@ -279,9 +286,7 @@ Failure ContactStep::move(double t, double h, const Vector& v_0, double margin) 
     bounces_.push_back(e > 0 && u < -threshold);  // if it is closed at the end of the step
   }
   // Sets w to about the free velocities in the middle, which are the size of the problem.
-  start_.v.setZero();
-  system.bias_forces(q_part_.data(), start_.v.data(), {}, end_.v.data());
-  start_.v = p_0_ - h / 2 * end_.v;
+  system.momenta(v_0.data(), start_.v.data(), h / 2 * model_.gravity());
   system.pull(start_.v.data(), problem.w.data());
   problem.finish();
   recall(start_, 0);
@@ -327,7 +332,7 @@ Failure ContactStep::move(double t, double h, const Vector& v_0, double margin) 
       secants_.update(r_, weights_, problem.r);
     r_ = problem.r;
     double e = 0;
-    if (Failure failure = solve(t, problem, start_.lambda, of_solver, e)) return failure;
+    if (Failure failure = solve(t, start_, start_.lambda, of_solver, e)) return failure;
     failed = e <= accepted ? 0 : failed + 1;
   }
 }
@@ -384,7 +389,7 @@ Failure ContactStep::land(double t) {
   const bool any_bounces = std::ranges::any_of(bounces_, [](char x) { return x != 0; });
   for (double bounciness = 1; bounciness >= 0; bounciness -= 0.25) {
     set_r_of_end(bounciness);
-    if (Failure failure = solve(t, problem, end_.lambda, precise, certificate)) return failure;
+    if (Failure failure = solve(t, end_, end_.lambda, precise, certificate)) return failure;
     certificate = std::max(certificate, before);
     problem.complete(end_.lambda.data());
     apply(end_, v_before_, v);
@@ -443,7 +448,7 @@ Failure ContactStep::separate(double t, double h) {
   problem.finish();
   between_.assign(problem.r.size(), 0.0);
   double e = 0;
-  if (Failure failure = solve(t, problem, between_, 1e-12, e)) return failure;
+  if (Failure failure = solve(t, end_, between_, 1e-12, e)) return failure;
   if (!(e <= accepted)) return {};
   end_.x.setZero(problem.nv());
   problem.add_product(1, between_.data(), end_.x.data());

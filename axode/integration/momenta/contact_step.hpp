@@ -62,6 +62,7 @@ class ContactStep {
   /// The rows and multipliers of the contact problem at the start or at the end of the step.
   struct End {
     ContactSystem system;
+    VelocitySolver solver = {};
     std::vector<Contact> contacts = {};
     std::vector<double> lambda = {};  ///< multipliers in scaled rows
     std::vector<double> u = {};       ///< velocities of the rows before the impulses
@@ -118,12 +119,11 @@ class ContactStep {
   bool overlaps(const Contact& contact) const;  ///< whether its gap is negative beyond rounding
   /// Moves q so that overlaps and loops are closed, by the displacement that moves the masses least (D11.15).
   Failure separate(double t, double h);
-  /// Improves the multipliers `lambda` of a contact problem until they obey the laws of contact to the
-  /// tolerance, and writes the remaining residual to `e`. t is the time at which the step begins. In long
-  /// computations, SimulationOptions::monitor, a function of the caller, is called with t; if it returns
+  /// Improves the multipliers `lambda` of the contact problem of an end until they obey the laws of contact
+  /// to the tolerance, and writes the remaining residual to `e`. t is the time at which the step begins. In
+  /// long computations, SimulationOptions::monitor, a function of the caller, is called with t; if it returns
   /// false, solve() fails.
-  Failure solve(double t, const VelocityProblem& problem, std::vector<double>& lambda, double tolerance,
-                double& e);
+  Failure solve(double t, End& end, std::vector<double>& lambda, double tolerance, double& e);
   void apply(End& end, const Vector& v, Vector& v_after);
   Failure work(double t, double& sum);
   void keep_start(double h, const Vector& q_0, const Vector& v_0, double margin);
@@ -138,7 +138,6 @@ class ContactStep {
   ConfigurationGroup<double> group_;
   ContactFinder finder_;
   End start_, end_;
-  VelocitySolver solver_;
   ContactRecord record_;
   std::vector<double> reach_of_shape_;  ///< distance from the origin of the body, m
   double size_ = 0;                     ///< extent of the largest shape that is no plane, m

@@ -84,11 +84,12 @@ class ContactSimulationRun : public MomentumSimulationRun {
   const double* resistance(double h) const { return midpoint_.resistance(h); }
 
   /// Begins a step of length h at time t, from the state (q_0, v_0) before impulses and the states x_0 of the
-  /// drives.
-  void begin(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0) {
+  /// drives. `bodies` have factorised the mass matrix at q_0.
+  void begin(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0,
+             const ArticulatedBodies<Spatial, double>& bodies) {
     t_ = t;
     q_0_ = q_0;
-    bases().place(t, q_0.data());
+    bases().place(t, bodies);
     drives_.begin_midpoint_step(h, x_0);
     // The change of the velocities up to the middle is about that of the last step of this length.
     v_middle = v_0;

@@ -5,6 +5,7 @@
 
 #include "axode/lie/twist.hpp"
 #include "axode/model/workspace.hpp"
+#include "axode/recursion/articulated_bodies.hpp"
 #include "axode/recursion/spatial_tree.hpp"
 
 namespace axode {
@@ -44,9 +45,14 @@ class FloatingBases {
   /// lets them coincide with the inertial frame at time t. start() then sets their velocities. Also computes,
   /// for restore_centers(), the centre of mass of each floating base with its subtree at the configuration q.
   void place(double t, const double* q) {
-    begin_ = t;
     kernel_->run(*tree_, q);
-    for (Root& root : roots_) root.center = center(root.body);
+    place(t);
+  }
+  /// The same, at the configuration at which `bodies` have factorised the mass matrix.
+  void place(double t, const ArticulatedBodies<Spatial, double>& bodies) {
+    if (roots_.empty()) return;
+    kernel_->take(*tree_->operator->(), bodies);
+    place(t);
   }
   /// Sets the initial velocities of the moving frames of the floating bases, and converts the joint momenta p
   /// = M v from the inertial frame to the moving frames. A moving frame does not rotate, but falls with
@@ -142,6 +148,10 @@ class FloatingBases {
   }
 
  private:
+  void place(double t) {
+    begin_ = t;
+    for (Root& root : roots_) root.center = center(root.body);
+  }
   struct Root {
     int body;
     bool constant;
