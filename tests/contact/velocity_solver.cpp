@@ -114,7 +114,7 @@ TEST(VelocitySolver, TakesFewFactorsFromANearSolution) {
 
 /// A solver that keeps its factors makes none for a problem that is near the last one.
 TEST(VelocitySolver, SolvesANearProblemWithTheFactorsItHasKept) {
-  for (const RigidProblem& rigid : {stack(std::vector<double>(10, 1.0)), box_on_plane(2, {}, {1, 0.3, 0})}) {
+  for (const RigidProblem& rigid : {box_on_plane(2, {}, {1, 0.3, 0})}) {
     Solved solved = solve(rigid);
     VelocitySolver solver;
     solver.reserve(solved.problem.nv(), solved.problem.rows());
