@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
+#include "axode/scalar/instruction_set.hpp"
 #include "tests/laws/law.hpp"
 
 /// The fast path gives the same results as the hybrid representation: on trees with all kinds of joints, with
@@ -96,7 +98,17 @@ std::array<Numbers, 4> hessian(const Model& model, const State<double>& at, cons
   return x;
 }
 
-TEST(FastHessians, AreTheSameToRoundingWhereOtherJointsAreCoupled) {
+/// Clang joins products and sums to fused operations differently in the two loops, on processors that have
+/// these; the results then differ by rounding.
+bool rounds_alike() {
+#ifdef __clang__
+  return std::string_view(instruction_set()) == "x86-64";
+#else
+  return true;
+#endif
+}
+
+TEST(FastHessians, AreTheSameToTheLastBitWhereOtherJointsAreCoupled) {
   for_seeds(300, [](std::uint64_t seed) {
     Random<double> random(seed);
     Description tree = random_description(random, {.most_bodies = 12, .couplings = false, .springs = 0});
@@ -118,10 +130,11 @@ TEST(FastHessians, AreTheSameToRoundingWhereOtherJointsAreCoupled) {
     double size = 0;
     for (const Numbers& block : by_columns)
       for (const double x : block) size = std::max(size, std::abs(x));
+    const double allowed = rounds_alike() ? 0 : 1e-14 * size;
     for (std::size_t block = 0; block < 4; ++block)
       for (std::size_t r = 0; r < nv; ++r)
         for (std::size_t c = 0; c < nv; ++c)
-          EXPECT_NEAR(by_columns[block][r * nv + c], by_entries[block][r * (nv + 1) + c], 1e-14 * size)
+          EXPECT_NEAR(by_columns[block][r * nv + c], by_entries[block][r * (nv + 1) + c], allowed)
               << "block " << block << ", row " << r << ", column " << c;
   });
 }
