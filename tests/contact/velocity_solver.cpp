@@ -114,22 +114,20 @@ TEST(VelocitySolver, TakesFewFactorsFromANearSolution) {
 
 /// A solver that keeps its factors makes none for a problem that is near the last one.
 TEST(VelocitySolver, SolvesANearProblemWithTheFactorsItHasKept) {
-  for (const RigidProblem& rigid : {box_on_plane(2, {}, {1, 0.3, 0})}) {
-    Solved solved = solve(rigid);
-    VelocitySolver solver;
-    solver.reserve(solved.problem.nv(), solved.problem.rows());
-    solver.keeps_factors = true;
-    const auto solve_near = [&] {
-      solved.problem.w *= 1 + 1e-6;
-      const VelocitySolution solution = solver.solve(solved.problem, solved.lambda.data());
-      EXPECT_LE(solution.certificate, 1e-12) << rigid.name;
-      return solution.factorizations;
-    };
-    EXPECT_GE(solve_near(), 1) << rigid.name;
-    EXPECT_EQ(solve_near(), 0) << rigid.name;
-    solver.forget_factors();
-    EXPECT_GE(solve_near(), 1) << rigid.name;
-  }
+  Solved solved = solve(box_on_plane(2, {}, {1, 0.3, 0}));
+  VelocitySolver solver;
+  solver.reserve(solved.problem.nv(), solved.problem.rows());
+  solver.keeps_factors = true;
+  const auto solve_near = [&] {
+    solved.problem.w *= 1 + 1e-6;
+    const VelocitySolution solution = solver.solve(solved.problem, solved.lambda.data());
+    EXPECT_LE(solution.certificate, 1e-12);
+    return solution.factorizations;
+  };
+  EXPECT_GE(solve_near(), 1);
+  EXPECT_EQ(solve_near(), 0);
+  solver.forget_factors();
+  EXPECT_GE(solve_near(), 1);
 }
 
 TEST(VelocitySolver, TakesNoStepFromItsOwnSolution) {

@@ -130,20 +130,16 @@ void ContactSystem::find_path(int a, int b) {
   const Topology& topology = *tree().operator->();
   path_.clear();
   support_.clear();
+  const auto add = [&](int c, const double&, const double&) { support_.push_back(c); };
   for (int i = a, j = b; i > 0 || j > 0;) {
     const int k = std::max(i, j);
     path_.push_back({k, (j == k ? 1 : 0) - (i == k ? 1 : 0)});
     if (i == k) i = topology.parent[k];
     if (j == k) j = topology.parent[k];
+    loops_.bodies().each_pivot(tree(), k, add);
   }
-  const auto add = [&](int c, const double&, const double&) { support_.push_back(c); };
   loops_.bodies().each_pivot(tree(), 0, add);
-  for (std::size_t k = path_.size(); k-- > 0;)
-    if (is_coupled())
-      loops_.bodies().each_pivot(tree(), path_[k].body, add);
-    else
-      each_screw(path_[k].body, [&](int c, int) { support_.push_back(c); });
-  if (!std::ranges::is_sorted(support_)) std::ranges::sort(support_);
+  std::ranges::sort(support_);
   for (std::size_t k = 0; k < support_.size(); ++k) place_[index(support_[k])] = static_cast<int>(k);
 }
 
