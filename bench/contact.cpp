@@ -1,10 +1,12 @@
-// The solver of contact problems, and steps with contact. A cold solver begins without impulses; a warm one
-// has the solution for momenta that differ by a thousandth. Both know the order of elimination.
+// The solver of contact problems, steps with contact, and their derivatives. A cold solver begins without
+// impulses; a warm one has the solution for momenta that differ by a thousandth. Both know the order of
+// elimination.
 #include <algorithm>
 #include <cmath>
 
 #include "axode/contact/law/velocity_solver.hpp"
 #include "axode/integration/momenta/contact_step.hpp"
+#include "axode/integration/momenta/contact_step_derivative.hpp"
 #include "bench/contact_subjects.hpp"
 #include "tests/contact/rigid_problems.hpp"
 
@@ -64,8 +66,9 @@ void register_problem(const std::string& name, VelocityProblem problem) {
   });
 }
 
-/// Steps of a robot that stands under springs and dampers in its joints.
-void stand(benchmark::State& state, const Standing& robot) {
+/// Steps of a robot that stands under springs and dampers in its joints, or the derivatives of its last step
+/// by q, v and drive forces.
+void stand(benchmark::State& state, const Standing& robot, bool derivatives) {
   const std::size_t nv = static_cast<std::size_t>(robot.model.nv());
   SimulationOptions options;
   options.drive = [&](double, std::span<const double> q, std::span<const double> v, std::span<double> tau) {
@@ -85,7 +88,20 @@ void stand(benchmark::State& state, const Standing& robot) {
     t += Standing::h;
   };
   for (int k = 0; k < 500; ++k) advance();
-  repeat(state, q.data(), advance);
+  if (!derivatives) return repeat(state, q.data(), advance);
+  step.keep_parts = true;
+  advance();
+  ContactStepDerivative derivative(robot.model, ContactShapes(robot.model), false, false);
+  const Eigen::Index n = robot.model.nv();
+  const Eigen::MatrixXd directions = Eigen::MatrixXd::Identity(3 * n, 3 * n);
+  const ContactDirections along{.tau = directions.bottomRows(n)};
+  Eigen::MatrixXd dq, dv;
+  repeat(state, q.data(), [&] {
+    dq = directions.topRows(n);
+    dv = directions.middleRows(n, n);
+    for (const ContactPart& part : step.kept)
+      if (!derivative.run(part, dq, dv, along)) std::abort();
+  });
 }
 
 const bool registered = [] {
@@ -95,7 +111,9 @@ const bool registered = [] {
   for (const Standing& robot : standing_robots()) {
     register_problem("solo12", problem_of(robot));
     benchmark::RegisterBenchmark("contact_step/solo12/axode",
-                                 [robot](benchmark::State& state) { stand(state, robot); });
+                                 [robot](benchmark::State& state) { stand(state, robot, false); });
+    benchmark::RegisterBenchmark("contact_step_derivatives/solo12/axode",
+                                 [robot](benchmark::State& state) { stand(state, robot, true); });
   }
   return true;
 }();

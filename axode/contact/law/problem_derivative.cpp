@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "axode/recursion/decompositions.hpp"
 #include "axode/recursion/least_squares.hpp"
 
 namespace axode {
@@ -9,6 +10,9 @@ namespace {
 
 /// Part of the largest pivot below which a row counts as redundant.
 constexpr double rank_part = 1e-11;
+/// Least reciprocal condition number of equations with one solution. Such a solution is certain to seven
+/// digits, as `same_motion` demands.
+constexpr double regular_part = 1e-8;
 constexpr double same_motion = 1e-7;
 constexpr double kink_part = 1e-10;
 
@@ -44,7 +48,7 @@ Eigen::MatrixXd dense_columns(const VelocityProblem& p) {
 LawDerivative differentiate_law(const VelocityProblem& p, const double* lambda, const double* u,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,
-                                double change) {
+                                const std::function<double()>& change) {
   const Eigen::Index m = p.rows();
   LawDerivative out;
   out.multipliers.setZero(m, by_data.cols());
@@ -64,10 +68,16 @@ LawDerivative differentiate_law(const VelocityProblem& p, const double* lambda, 
   const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(m, m) - Z + ZD * by_lambda;
   const Eigen::MatrixXd b = -ZD * by_data;
   const Eigen::VectorXd d = d2.cwiseSqrt();
+  const Eigen::MatrixXd rhs = d.asDiagonal() * b;
+  const LuFactor regular(d.asDiagonal() * A * d.cwiseInverse().asDiagonal());
+  if (regular.rcond() > regular_part) {
+    out.multipliers = d.cwiseInverse().asDiagonal() * regular.solve(rhs);
+    if (out.multipliers.allFinite()) return out;  // A = 0 with one row has the estimate 1 too
+  }
   const auto solve = [&](const Eigen::VectorXd& weight) -> Eigen::MatrixXd {
     const Eigen::VectorXd inverse = weight.cwiseInverse();
     const Eigen::MatrixXd scaled = d.asDiagonal() * A * inverse.asDiagonal();
-    return inverse.asDiagonal() * least_squares(scaled, d.asDiagonal() * b, rank_part);
+    return inverse.asDiagonal() * least_squares(scaled, rhs, rank_part);
   };
   out.multipliers = solve(d);
   const double left = (d.asDiagonal() * (A * out.multipliers - b)).norm();
@@ -75,8 +85,8 @@ LawDerivative differentiate_law(const VelocityProblem& p, const double* lambda, 
   Eigen::VectorXd other = d;
   for (Eigen::Index row = 0; row < m; ++row) other[row] *= 1 + 0.5 * std::sin(static_cast<double>(row));
   const Eigen::MatrixXd Y = dense_columns(p), motion = Y * out.multipliers;
-  out.unique = (Y * solve(other) - motion).norm() <= same_motion * (motion.norm() + change) &&
-               left <= same_motion * (d.asDiagonal() * b).norm();
+  out.unique = (Y * solve(other) - motion).norm() <= same_motion * (motion.norm() + change()) &&
+               left <= same_motion * rhs.norm();
   return out;
 }
 
@@ -89,8 +99,8 @@ ProblemDerivative differentiate(const VelocityProblem& p, const double* lambda,
   p.delassus(G);
   const Eigen::Map<const Eigen::VectorXd> l(lambda, m), r(p.r.data(), m);
   const Eigen::VectorXd x = p.w + Y * l, u = Y.transpose() * x + r;
-  const LawDerivative law =
-      differentiate_law(p, lambda, u.data(), G, Y.transpose() * dx + du, x.norm() + p.w.norm(), dx.norm());
+  const LawDerivative law = differentiate_law(p, lambda, u.data(), G, Y.transpose() * dx + du,
+                                              x.norm() + p.w.norm(), [&] { return dx.norm(); });
   return {law.multipliers, dx + Y * law.multipliers, law.unique, law.at_kink};
 }
 

@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "axode/contact/law/velocity_problem.hpp"
 
 namespace axode {
@@ -50,11 +52,12 @@ struct LawDerivative {
 ///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data                                                 (D11.18)
 /// with the derivative Z of `resolve` at z. Friction rows of u and J are multiplied by their coefficients of
 /// friction; the impulse of such a row is λ times its coefficient. `speed` is the size √(vᵀ M v) of the
-/// velocities v of the mechanism, and `change` the size of their changes along the directions; rounding
-/// errors are judged by both. Allocates; O(rows³).
+/// velocities v of the mechanism, and `change` returns the size of their changes along the directions;
+/// rounding errors are judged by both. `change` is called only if the equations for dλ are singular, as they
+/// are where contacts share a load. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,
-                                double change);
+                                const std::function<double()>& change);
 
 }  // namespace axode

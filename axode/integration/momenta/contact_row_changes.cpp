@@ -11,6 +11,25 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 }  // namespace
 
+void ContactStepDerivative::displace_each(const VectorXd& q, const VectorXd& v) {
+  first_column_ = model_.nv();
+  motion_.set_geometry(along_.geometry, first_column_ + first_);
+  motion_.run(q.data(), v.data(), each_, none_);
+}
+
+void ContactStepDerivative::displace(const VectorXd& q, const VectorXd& v, const Matrix& dq,
+                                     const Matrix& dv) {
+  first_column_ = 0;
+  motion_.set_geometry(along_.geometry, first_);
+  motion_.run(q.data(), v.data(), dq, dv);
+}
+
+Matrix ContactStepDerivative::chain(const Eigen::Ref<const Matrix>& x, const Matrix& dq) const {
+  Matrix out = x.leftCols(dq.rows()) * dq;
+  if (x.cols() > dq.rows()) out.leftCols(k_) += x.rightCols(k_);
+  return out;
+}
+
 bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double margin, Rows& out) {
   out = {};
   jets_.restart();
@@ -25,23 +44,24 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
     out.found.push_back(jet != nullptr);
     out.jets.push_back(jet ? *jet : ContactJet{});
     out.changes.push_back(jet ? motion_.contact(*jet) : ContactChanges{});
-    if (jet && along_.placement.size() > 0 && first_ < motion_.directions()) {
+    if (jet && along_.placement.size() > 0) {
       const ContactChanges by = placement_changes(contact.key, *jet);
       ContactChanges& changes = out.changes.back();
-      changes.point.middleCols(first_, p_) += by.point;
-      changes.normal.middleCols(first_, p_) += by.normal;
-      changes.gap.segment(first_, p_) += by.gap;
+      const Eigen::Index first = first_column_ + first_;
+      changes.point.middleCols(first, p_) += by.point;
+      changes.normal.middleCols(first, p_) += by.normal;
+      changes.gap.segment(first, p_) += by.gap;
     }
     if (!jet || thickness_.size() == 0) continue;
     // A layer on a shape moves the side of this shape at the contact along the normal. The contact point is
     // on b if a is a plane, and otherwise half-way.
     const auto [a, b] = ContactJets::shapes_of(contact.key);
-    const Eigen::Index k = motion_.directions();
-    const Eigen::RowVectorXd on_a = thickness_.row(a).head(k), on_b = thickness_.row(b).head(k);
+    const Eigen::RowVectorXd on_a = thickness_.row(a), on_b = thickness_.row(b);
     const double part_a = shapes_[a].kind == ShapeKind::plane ? 0 : 0.5;
     ContactChanges& changes = out.changes.back();
-    changes.gap -= on_a + on_b;
-    changes.point += to_eigen(jet->normal) * (part_a * on_a - (1 - part_a) * on_b);
+    changes.gap.segment(first_column_, k_) -= on_a + on_b;
+    changes.point.middleCols(first_column_, k_) +=
+        to_eigen(jet->normal) * (part_a * on_a - (1 - part_a) * on_b);
   }
   return true;
 }
@@ -104,11 +124,12 @@ ContactStepDerivative::Impulses ContactStepDerivative::set_rows(const VectorXd& 
 
 Matrix ContactStepDerivative::impulse_changes(const VectorXd& q, const Rows& rows, const VectorXd& physical,
                                               const Matrix& dq) {
-  Matrix out = Matrix::Zero(dq.rows(), dq.cols());
+  Matrix by_each = Matrix::Zero(dq.rows(), motion_.directions());
   const int width = system_.contact_rows();
   for (std::size_t k = 0; k < rows.jets.size(); ++k)
     motion_.add_impulse_changes(rows.jets[k], rows.changes[k], rows.axes[k], rows.daxes[k], width,
-                                physical.data() + static_cast<Eigen::Index>(k) * width, out);
+                                physical.data() + static_cast<Eigen::Index>(k) * width, by_each);
+  const Matrix out = chain(by_each, dq);
   if (model_.loops().empty()) return out;
   LoopSystem<double>& loops = loops_.system(model_);
   const Eigen::Index nv = dq.rows(), m = model_.loops().rows;
@@ -126,14 +147,15 @@ Matrix ContactStepDerivative::velocity_changes(const VectorXd& q, const VectorXd
                                                const Matrix& dq, VectorXd& u) {
   const int width = system_.contact_rows();
   const Eigen::Index m = system_.problem().rows(), nv = dq.rows();
-  Matrix out = Matrix::Zero(m, dq.cols());
+  Matrix by_each = Matrix::Zero(m, motion_.directions());
   u.resize(m);
   system_.times(x.data(), u.data());
   for (std::size_t k = 0; k < rows.jets.size(); ++k) {
     const Eigen::Index row = static_cast<Eigen::Index>(k) * width;
-    out.middleRows(row, width) = motion_.row_velocities(rows.jets[k], rows.changes[k], rows.axes[k],
-                                                        rows.daxes[k], width, u.data() + row);
+    by_each.middleRows(row, width) = motion_.row_velocities(rows.jets[k], rows.changes[k], rows.axes[k],
+                                                            rows.daxes[k], width, u.data() + row);
   }
+  Matrix out = chain(by_each, dq);
   if (model_.loops().empty()) return out;
   LoopSystem<double>& loops = loops_.system(model_);
   const Eigen::Index loop_rows = model_.loops().rows;

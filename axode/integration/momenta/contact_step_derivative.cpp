@@ -66,25 +66,26 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   const Eigen::Index nv = dq.rows(), k = dq.cols();
 
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_start.size());
-  out.k = k;
+  out.k = k_ = k;
   for (Matrix* x : {&out.dq, &out.dv, &out.dtau, &out.dp}) x->setZero(nv, k + m);
   out.dq.leftCols(k) = dq;
   out.dv.leftCols(k) = dv;
   out.dtau.leftCols(k) = directions.tau;
-  const auto with_multipliers = [&](const Matrix& x) {
-    Matrix wide = Matrix::Zero(x.rows(), x.size() > 0 ? k + m : 0);
-    if (x.size() > 0) wide.leftCols(k) = x;
-    return wide;
-  };
-  thickness_ = with_multipliers(directions.thickness);
+  thickness_ = directions.thickness;
   restitution_ = directions.restitution;
   along_ = directions.parameters;
   p_ = along_.count();
   first_ = k - p_;
-  motion_.set_geometry(along_.geometry, first_);
-  out.friction = with_multipliers(directions.friction);
-  const Matrix none = Matrix::Zero(nv, k + m);
-  motion_.run(part.q_0.data(), part.v_0.data(), out.dq, none);
+  const bool shapes_change =
+      thickness_.size() > 0 || along_.geometry.size() > 0 || along_.placement.size() > 0;
+  each_.setIdentity(nv, nv + (shapes_change ? k : 0));
+  none_.setZero(nv, each_.cols());
+  if (directions.friction.size() > 0) {
+    out.friction.setZero(directions.friction.rows(), k + m);
+    out.friction.leftCols(k) = directions.friction;
+  }
+  out.mass = mass(part.q_0);
+  displace_each(part.q_0, part.v_0);
   if (!find(part.start, part.margin, out.rows)) return false;
   set_axes(part.start, out.rows);
   Impulses& first = out.first;
@@ -98,31 +99,28 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
       dp += first.J.transpose() *
             (first.lambda.asDiagonal() * coefficient_changes(part.start, m, out.friction));
     out.du = velocity_changes(part.q_0, part.v_0, out.rows, out.dq, out.u) + first.J * out.dv;
-    if (!model_.loops().empty()) out.du_rolling = rolling_changes(part, out.rows, first, dp, out.dq, out.dv);
+    if (!model_.loops().empty()) out.du_rolling = rolling_changes(part, out, dp);
   }
-  take_momenta(part.q_0, part.v_0, out.momenta);
+  const Matrix& M = out.mass.M;
+  Matrix Mv_q = kinetic(part.q_0, part.v_0).Mv_q;
   VectorXd& v_a = out.v_a;
   v_a = part.v_0;
-  if (m > 0) v_a += out.momenta.factor.solve(first.J.transpose() * first.physical());
+  if (m > 0) v_a += out.mass.factor.solve(first.J.transpose() * first.physical());
   // The momenta of a translation of a base do not contribute to the derivatives of its linear momenta by q,
   // so that the latter may be taken at v_0, with the velocity of the moving frame included.
-  Matrix whole = dp + out.momenta.Mv_q * out.dq + out.momenta.M * out.dv;
-  if (p_ > 0) {
-    parameter_changes_.run(part.q_0.data(), part.v_0.data(), along_);
-    by_parameters(whole) += parameter_changes_.momenta;
-  }
-  begin_bases(part, v_a, out.momenta.M, out.dq, whole);
+  if (p_ > 0) parameter_changes_.run(part.q_0.data(), part.v_0.data(), along_);
+  begin_bases(part, out, Mv_q);
   const VectorXd e_0 = frame_velocity(0);
   Matrix de_0 = Matrix::Zero(nv, k + m);
   add_frame_changes(0, 0, 1, out.dq, nullptr, &de_0);
   if (!bases_.empty()) {
     const VectorXd v = part.v_0 - e_0;
-    take_momenta(part.q_0, v, out.momenta);
+    Mv_q = kinetic(part.q_0, v).Mv_q;
     if (p_ > 0) parameter_changes_.run(part.q_0.data(), v.data(), along_);
   }
   if (p_ > 0) by_parameters(dp) += parameter_changes_.momenta;
-  dp += out.momenta.Mv_q * out.dq + out.momenta.M * (out.dv - de_0);
-  out.p = out.momenta.M * (v_a - e_0);
+  dp += Mv_q * out.dq + M * (out.dv - de_0);
+  out.p = M * (v_a - e_0);
   return true;
 }
 
@@ -136,19 +134,22 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
                                       Slip& out) {
   const int width = system_.contact_rows();
   const Eigen::Index m = start.first.lambda.size();
-  motion_.run(part.q_middle.data(), part.v_middle.data(), flight.dq_m, flight.dv_m);
+  displace(part.q_middle, part.v_middle, flight.dq_m, flight.dv_m);
   Rows& middle = out.rows;
   if (!find(part.start, part.margin, middle)) return false;
   out.u.resize(m);
   out.du.resize(m, start.dq.cols());
   for (std::size_t c = 0; c < part.start.size(); ++c) {
+    const ContactChanges& before = start.rows.changes[c];
     if (!middle.found[c]) {  // the step takes the place at the start
       middle.jets[c] = start.rows.jets[c];
-      middle.changes[c] = start.rows.changes[c];
+      middle.changes[c] = {chain(before.point, start.dq), chain(before.normal, start.dq),
+                           chain(before.gap, start.dq)};
     }
     const Vec3<>&from = part.start[c].normal, &to = middle.jets[c].normal;
     middle.axes.push_back(turned(start.rows.axes[c], to));
-    middle.daxes.push_back(turned_changes(from, start.rows.changes[c].normal, to, middle.changes[c].normal));
+    middle.daxes.push_back(
+        turned_changes(from, chain(before.normal, start.dq), to, middle.changes[c].normal));
     const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
     out.du.middleRows(row, width) = motion_.row_velocities(middle.jets[c], middle.changes[c], middle.axes[c],
                                                            middle.daxes[c], width, out.u.data() + row);
@@ -182,25 +183,28 @@ bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const
   const int width = system_.contact_rows();
   u.resize(m);
   du.resize(m, start.dq.cols());
-  motion_.run(q_1.data(), part.v_before_end.data(), flight.dq_1, Matrix::Zero(nv, du.cols()));
+  displace_each(q_1, part.v_before_end);
   Rows end;
   if (!find(part.start, part.margin, end)) return false;
 
   for (std::size_t c = 0; c < part.start.size(); ++c) {
     const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
     const bool found = end.found[c] != 0;
+    const Eigen::RowVectorXd gap_before = chain(start.rows.changes[c].gap, start.dq);
     const double gap = found ? end.jets[c].gap : part.start[c].gap + h * middle.u[row];
-    du.row(row) = found ? end.changes[c].gap : start.rows.changes[c].gap + h * middle.du.row(row);
+    if (found)
+      du.row(row) = chain(end.changes[c].gap, flight.dq_1);
+    else
+      du.row(row) = gap_before + h * middle.du.row(row);
     if (part.start[c].surface.compliance && part.lambda_start[index(row)] > 0) {
       const MeanForce mean = mean_force(part.start[c].surface.compliance, part.start[c].gap, gap, h);
       const double C = system_.problem().squared_scales()[index(row)];
       u[row] = 0;
-      du.row(row) = C * h / 2 *
-                    (mean.slope * du.row(row) + mean.slope_before * Matrix(start.rows.changes[c].gap)).eval();
+      du.row(row) = C * h / 2 * (mean.slope * du.row(row) + mean.slope_before * gap_before);
       du(row, start.k + row) += C;
     } else {
       u[row] = (gap - (part.overlaps[c] ? part.start[c].gap : 0)) / h;
-      if (part.overlaps[c]) du.row(row) -= start.rows.changes[c].gap;
+      if (part.overlaps[c]) du.row(row) -= gap_before;
       du.row(row) /= h;
     }
     for (int i = 1; i < width; ++i) {
@@ -265,19 +269,23 @@ bool ContactStepDerivative::run(const ContactPart& part, Matrix& dq, Matrix& dv,
     const VectorXd scaled = start.first.c.cwiseProduct(u);
     du = start.first.c.asDiagonal() * du;
     if (start.friction.size() > 0) du += u.asDiagonal() * coefficient_changes(part.start, m, start.friction);
-    const Matrix dv_a = start.momenta.factor.solve(start.dp.leftCols(k));
-    const LawDerivative law = differentiate_law(
-        system_.problem(), part.lambda_start.data(), scaled.data(), du.rightCols(m), du.leftCols(k),
-        mass_norm(start.momenta.M, start.v_a), mass_norm(start.momenta.M, dv_a));
+    const auto change = [&] {
+      return mass_norm(start.mass.M, start.mass.factor.solve(start.dp.leftCols(k)));
+    };
+    const LawDerivative law =
+        differentiate_law(system_.problem(), part.lambda_start.data(), scaled.data(), du.rightCols(m),
+                          du.leftCols(k), mass_norm(start.mass.M, start.v_a), change);
     note(law);
     dlambda = law.multipliers;
     for (Matrix* x : {&flight.dq_1, &flight.dp_1, &middle.du, &start.du}) follow(*x, law.multipliers);
-    for (FrameChanges& x : middle.rows.daxes) follow(x, law.multipliers);
+    for (std::size_t c = 0; c < part.start.size(); ++c)
+      if (part.slides[c]) follow(middle.rows.daxes[c], law.multipliers);
     for (Base& base : bases_) follow(base.du, law.multipliers);
   }
   dq = flight.dq_1;
-  if (!impulses_at_end(part, start, middle, dlambda, flight.dp_1, directions.friction, dq, dv)) return false;
-  return part.apart.empty() || move_apart(part, dq);
+  if (!impulses_at_end(part, start, middle, dlambda, flight.at_1, flight.dp_1, directions.friction, dq, dv))
+    return false;
+  return part.apart.empty() || move_apart(part, flight.at_1, dq);
 }
 
 }  // namespace axode

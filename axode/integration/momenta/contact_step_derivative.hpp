@@ -44,8 +44,8 @@ class ContactStepDerivative {
   /// step of a simulation or a part of one) by those at its end, along k directions. `directions` has the
   /// changes of drive forces, of the surfaces of shapes, and of the parameters of the mechanism along the
   /// same directions. Returns false if the points of a contact have no formula that can be differentiated;
-  /// why() then says which. Allocates. O(n k + nv² k + m³) for n bodies and m scalar constraints by contacts,
-  /// stops, dry friction and loops.
+  /// why() then says which. Allocates. O(n (k + nv) + nv² k + m³) for n bodies and m scalar constraints by
+  /// contacts, stops, dry friction and loops.
   bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const ContactDirections& directions);
 
   const std::string& why() const { return why_; }
@@ -56,12 +56,15 @@ class ContactStepDerivative {
   bool unique = true, at_kink = false;
 
  private:
-  /// The mass matrix M at a state (q, v), its factor, the derivative Mv_q of the momenta M v by q, and the
-  /// derivatives F_q and F_v by q and v of the rates F that the momenta have without drive forces, gravity,
-  /// loads and losses (nv × nv each).
-  struct Momenta {
-    Matrix M, Mv_q, F_q, F_v;
+  /// The mass matrix M at a configuration q, and its factor.
+  struct Mass {
+    Matrix M;
     CholeskyFactor factor;
+  };
+  /// The derivative Mv_q of the momenta M v at a state (q, v) by q, and the derivatives F_q and F_v by q and
+  /// v of the rates F that the momenta have without drive forces, gravity, loads and losses (nv × nv each).
+  struct Kinetic {
+    Matrix Mv_q, F_q, F_v;
   };
   /// A floating base in a substep (a step or a part of one). Its coordinates are relative to a moving frame.
   /// This frame begins with the velocity u that the centre of mass of the base with its subtree has after the
@@ -80,10 +83,9 @@ class ContactStepDerivative {
   /// A list of contacts, evaluated in one configuration. For each contact, `jets` has the point, the normal
   /// and the gap with their derivatives by a displacement of one body relative to the other, and `axes` has
   /// the normal and two tangents, along which its velocities are resolved. `changes` and `daxes` have the
-  /// changes of the point, the normal, the gap and these axes along the directions in which the step is
-  /// differentiated. `found` says whether the gap of the contact is below the margin within which find()
-  /// searches for contacts. If it is not, find() leaves the entries of the contact in `jets` and `changes`
-  /// empty.
+  /// changes of the point, the normal, the gap and these axes along the displacements of motion_. `found`
+  /// says whether the gap of the contact is below the margin within which find() searches for contacts. If
+  /// it is not, find() leaves the entries of the contact in `jets` and `changes` empty.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};
@@ -115,15 +117,17 @@ class ContactStepDerivative {
     Matrix dq, dv, dtau, friction;
     Rows rows;
     Impulses first;
-    Momenta momenta;  ///< at the velocities before impulses, in moving frames
-    Vector v_a, p;    ///< velocities and momenta after impulses; p in moving frames
+    Mass mass;      ///< at q
+    Vector v_a, p;  ///< velocities and momenta after impulses; p in moving frames
     Matrix dp;
     Vector u;  ///< velocities of the rows before the impulses
     Matrix du, du_rolling;
   };
-  /// Changes of q and v in the middle of the free motion, and of q and momenta p at its end.
+  /// Changes of q and v in the middle of the free motion, and of q and momenta p at its end, with the mass
+  /// matrix there.
   struct Flight {
     Matrix dq_m, dv_m, dq_1, dp_1;
+    Mass at_1;
   };
   /// The velocities of the contact rows in the middle of the free motion.
   struct Slip {
@@ -135,9 +139,19 @@ class ContactStepDerivative {
   /// The norm √(xᵀ M x) of velocities x; for several columns, the square root of the sum of their squared
   /// norms.
   static double mass_norm(const Matrix& M, const Matrix& x);
-  void take_momenta(const Vector& q, const Vector& v, Momenta& out);
+  Mass mass(const Vector& q);
+  Kinetic kinetic(const Vector& q, const Vector& v);
+  /// Computes the motion of the bodies at (q, v), displaced along each coordinate of q by itself. If shapes
+  /// or their places change along the k directions of differentiation, k displacements at constant q follow.
+  void displace_each(const Vector& q, const Vector& v);
+  /// Computes the motion of the bodies at (q, v), displaced by changes dq and dv of the state. Their first k
+  /// columns are along the directions of differentiation, so that shapes and their places change, too.
+  void displace(const Vector& q, const Vector& v, const Matrix& dq, const Matrix& dv);
+  /// The changes, along changes dq of q, of what has the changes x along the displacements of
+  /// displace_each(). The first k columns of dq are along the directions of differentiation.
+  Matrix chain(const Eigen::Ref<const Matrix>& x, const Matrix& dq) const;
   /// Finds the points, normals and gaps of contacts with gaps up to `margin`, and their changes along the
-  /// directions of differentiation. Returns false if a contact has no formula that can be differentiated.
+  /// displacements of motion_. Returns false if a contact has no formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
   /// The changes of the factors c of the constraint rows, a row for each constraint row and a column for each
   /// column of `friction`. c is the impulse of a constraint row divided by its multiplier: the coefficient of
@@ -155,15 +169,13 @@ class ContactStepDerivative {
   void set_axes(const std::vector<Contact>& contacts, Rows& out);
   Impulses set_rows(const Vector& q, const std::vector<Contact>& contacts, double h, double stop_margin,
                     const std::vector<double>& lambda);
-  /// The changes of Jᵀ λ, nv rows and a column for each direction of differentiation, for constant impulses λ
-  /// = `physical` of the constraints with the Jacobian J.
+  /// The changes of Jᵀ λ along dq, nv rows, for constant impulses λ = `physical` of the constraints with the
+  /// Jacobian J. displace_each() must have been called at q.
   Matrix impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Matrix& dq);
-  /// The changes of J x for constant velocities x and the constraint Jacobian J, a row for each constraint
-  /// and a column for each direction of differentiation. Writes J x to `u`. The motion of the bodies at (q,
-  /// x) must have been computed.
+  /// The changes of J x along dq for constant velocities x and the constraint Jacobian J, a row for each
+  /// constraint. Writes J x to `u`. displace_each() must have been called at (q, x).
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
-  void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
-                   const Matrix& dp);
+  void begin_bases(const ContactPart& part, const Start& start, const Matrix& Mv_q);
   /// Computes the changes of the velocities J v of the loop rows at the start of a substep (a step of a
   /// simulation or a part of one) of length h. J is the Jacobian of the loops at the configuration q_0 at the
   /// start, and v = v_0 + M⁻¹ (P - h G/2), with the velocities v_0 before the substep, the mass matrix M, the
@@ -172,10 +184,9 @@ class ContactStepDerivative {
   /// for each loop row. It has the columns of dq, dv and dp, the changes of q_0, v_0 and P: k columns for the
   /// directions along which the step is differentiated, at constant multipliers, and then a column for each
   /// multiplier of the impulses at the start.
-  Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
-                         const Matrix& dq, const Matrix& dv);
-  Matrix Ad_transpose(const Vector& y, Matrix x) const;
-  Matrix dexp_transpose(const Vector& y, Matrix x) const;
+  Matrix rolling_changes(const ContactPart& part, const Start& start, const Matrix& dp);
+  /// The product of a transposed map of maps_ and momenta x.
+  Matrix transposed(GroupDerivatives::Block GroupDerivatives::Joints::*map, const Matrix& x) const;
   /// The derivatives of Ad_{exp y}ᵀ p or of dexp_yᵀ p by y.
   Matrix turn_of(const Vector& y, const Vector& p, bool Ad) const;
   /// Velocities (nv) of the moving frames of floating bases, as joint velocities, a time t after the start.
@@ -185,14 +196,14 @@ class ContactStepDerivative {
   bool begin(const ContactPart& part, const Matrix& dq, const Matrix& dv, const ContactDirections& directions,
              Start& out);
   Flight fly(const ContactPart& part, const Start& start);
-  void take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m, Matrix& f_q, Matrix& f_v,
-                   Matrix& df);
+  void take_forces(const ContactPart& part, const Matrix& M, const Kinetic& at_m, const Vector& v_m,
+                   Matrix& f_q, Matrix& f_v, Matrix& df);
   bool take_slip(const ContactPart& part, const Start& start, const Flight& flight, Slip& out);
   bool take_start_velocities(const ContactPart& part, const Start& start, const Flight& flight,
                              const Slip& middle, Vector& u, Matrix& du);
   bool impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle, const Matrix& dlambda,
-                       const Matrix& dp, const Matrix& friction, Matrix& dq, Matrix& dv);
-  bool move_apart(const ContactPart& part, Matrix& dq);
+                       const Mass& at_1, const Matrix& dp, const Matrix& friction, Matrix& dq, Matrix& dv);
+  bool move_apart(const ContactPart& part, const Mass& at_1, Matrix& dq);
   void note(const LawDerivative& law) {
     unique = unique && law.unique;
     at_kink = at_kink || law.at_kink;
@@ -213,10 +224,12 @@ class ContactStepDerivative {
   DisplacedMotion motion_;
   ParameterChanges parameter_changes_;
   ParameterDirections along_;
-  Eigen::Index first_ = 0, p_ = 0;  ///< the directions of along_
+  /// The number k of directions of differentiation, the first one of along_, and their number. The column of
+  /// the first direction among the displacements of motion_, if there is one.
+  Eigen::Index k_ = 0, first_ = 0, p_ = 0, first_column_ = 0;
+  Matrix each_, none_;  ///< the displacements of displace_each(), and as many zeros
   std::vector<Base> bases_;
-  Matrix thickness_, restitution_;  ///< changes along the directions of
-                                    ///< motion_ and of the part, or empty
+  Matrix thickness_, restitution_;  ///< changes along the directions of differentiation, or empty
   std::vector<int> place_;          ///< index of each velocity in its joint
   std::string why_;
 };

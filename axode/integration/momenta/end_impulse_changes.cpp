@@ -26,27 +26,23 @@ int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {
 /// from the changes dq and dp of the coordinates and momenta before them, with a column for each direction of
 /// differentiation.
 bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle,
-                                            const Matrix& dlambda, const Matrix& dp, const Matrix& friction,
-                                            Matrix& dq, Matrix& dv) {
+                                            const Matrix& dlambda, const Mass& at_1, const Matrix& dp,
+                                            const Matrix& friction, Matrix& dq, Matrix& dv) {
   const VectorXd& q_1 = part.q_1;
-  const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_end.size()), nv = dq.rows(), k = dq.cols();
+  const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_end.size());
   const int width = system_.contact_rows();
-  const Matrix none = Matrix::Zero(nv, k);
   VectorXd v_1 = part.v_before_end;
-  Momenta at;
   Impulses last;
   Rows rows;
   if (m > 0) {
     last = set_rows(q_1, part.end, part.h / 2, ContactPart::near_stop, part.lambda_end);
-    take_momenta(q_1, v_1, at);
-    v_1 += at.factor.solve(last.J.transpose() * last.physical());
+    v_1 += at_1.factor.solve(last.J.transpose() * last.physical());
   }
-  motion_.run(q_1.data(), v_1.data(), dq, none);
+  displace_each(q_1, v_1);
   if (!find(part.end, part.margin, rows)) return false;
   set_axes(part.end, rows);
   const VectorXd v_moving = v_1 - frame_velocity(part.h);
-  take_momenta(q_1, v_moving, at);
-  Matrix momenta = dp - at.Mv_q * dq;
+  Matrix momenta = dp - kinetic(q_1, v_moving).Mv_q * dq;
   if (p_ > 0) {
     parameter_changes_.run(q_1.data(), v_moving.data(), along_);
     by_parameters(momenta) -= parameter_changes_.momenta;
@@ -54,7 +50,7 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
   if (m > 0) momenta += impulse_changes(q_1, rows, last.physical(), dq);
   if (m > 0 && friction.size() > 0)
     momenta += last.J.transpose() * (last.lambda.asDiagonal() * coefficient_changes(part.end, m, friction));
-  dv = at.factor.solve(momenta);
+  dv = at_1.factor.solve(momenta);
   add_frame_changes(part.h, 0, 1, dq, nullptr, &dv);
   if (m == 0) return true;
 
@@ -75,7 +71,8 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
     }
     if (!part.slides[b]) continue;
     const ContactFrame &from = middle.rows.axes[b], &to = rows.axes[c];
-    const FrameChanges &dfrom = middle.rows.daxes[b], &dto = rows.daxes[c];
+    const FrameChanges& dfrom = middle.rows.daxes[b];
+    const Matrix dt1 = chain(rows.daxes[c].t1, dq), dt2 = chain(rows.daxes[c].t2, dq);
     const auto turn = [&](int first) {
       const double x = middle.u[row_0 + first], y = middle.u[row_0 + first + 1];
       const Vec3<> vector = x * from.t1 + y * from.t2;
@@ -84,8 +81,8 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
                                    to_eigen(from.t2) * middle.du.row(row_0 + first + 1);
       u[row + first] += dot(vector, to.t1);
       u[row + first + 1] += dot(vector, to.t2);
-      du.row(row + first) += to_eigen(to.t1).transpose() * change + to_eigen(vector).transpose() * dto.t1;
-      du.row(row + first + 1) += to_eigen(to.t2).transpose() * change + to_eigen(vector).transpose() * dto.t2;
+      du.row(row + first) += to_eigen(to.t1).transpose() * change + to_eigen(vector).transpose() * dt1;
+      du.row(row + first + 1) += to_eigen(to.t2).transpose() * change + to_eigen(vector).transpose() * dt2;
     };
     turn(1);
     if (width > 3) {
@@ -120,39 +117,36 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
   const VectorXd scaled = last.c.cwiseProduct(u);
   const LawDerivative law =
       differentiate_law(system_.problem(), part.lambda_end.data(), scaled.data(), G, last.c.asDiagonal() * du,
-                        mass_norm(at.M, v_1), mass_norm(at.M, dv));
+                        mass_norm(at_1.M, v_1), [&] { return mass_norm(at_1.M, dv); });
   note(law);
-  dv += at.factor.solve(last.J.transpose() * (last.c.asDiagonal() * law.multipliers));
+  dv += at_1.factor.solve(last.J.transpose() * (last.c.asDiagonal() * law.multipliers));
   return true;
 }
 
 /// Differentiates the displacement that removes overlaps (D11.23): replaces dq before it by dq after it.
-bool ContactStepDerivative::move_apart(const ContactPart& part, Matrix& dq) {
+bool ContactStepDerivative::move_apart(const ContactPart& part, const Mass& at_1, Matrix& dq) {
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_apart.size()), nv = dq.rows(), k = dq.cols();
   const int width = system_.contact_rows();
   const Impulses apart =
       set_rows(part.q_1, part.apart, 0, std::numeric_limits<double>::infinity(), part.lambda_apart);
-  Momenta at;
-  take_momenta(part.q_1, part.v_before_end, at);
-  const VectorXd y = at.factor.solve(apart.J.transpose() * apart.physical());
-  take_momenta(part.q_1, y, at);
-  motion_.run(part.q_1.data(), y.data(), dq, Matrix::Zero(nv, k));
+  const VectorXd y = at_1.factor.solve(apart.J.transpose() * apart.physical());
+  displace_each(part.q_1, y);
   Rows rows;
   if (!find(part.apart, part.margin, rows)) return false;
   set_axes(part.apart, rows);
-  Matrix momenta = impulse_changes(part.q_1, rows, apart.physical(), dq) - at.Mv_q * dq;
+  Matrix momenta = impulse_changes(part.q_1, rows, apart.physical(), dq) - kinetic(part.q_1, y).Mv_q * dq;
   if (p_ > 0) {
     parameter_changes_.run(part.q_1.data(), y.data(), along_);
     by_parameters(momenta) -= parameter_changes_.momenta;
   }
-  Matrix dy = at.factor.solve(momenta);
+  Matrix dy = at_1.factor.solve(momenta);
   VectorXd u;
   Matrix du = velocity_changes(part.q_1, y, rows, dq, u) + apart.J * dy;
   const std::span<const double> room = system_.room();
   for (std::size_t c = 0; c < part.apart.size(); ++c) {
     const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
     u[row] += std::max(room[c], -part.most_apart);
-    if (room[c] > -part.most_apart) du.row(row) += rows.changes[c].gap;
+    if (room[c] > -part.most_apart) du.row(row) += chain(rows.changes[c].gap, dq);
   }
   for (std::size_t s = 0; s < system_.active_stops().size(); ++s) {
     const std::size_t n = part.apart.size() + s;
@@ -176,11 +170,12 @@ bool ContactStepDerivative::move_apart(const ContactPart& part, Matrix& dq) {
   Matrix G(m, m);
   system_.problem().delassus(G);
   const VectorXd scaled = apart.c.cwiseProduct(u);
-  const double size = mass_norm(at.M, y);
-  const LawDerivative law = differentiate_law(system_.problem(), part.lambda_apart.data(), scaled.data(), G,
-                                              apart.c.asDiagonal() * du, size, mass_norm(at.M, dq));
+  const double size = mass_norm(at_1.M, y);
+  const LawDerivative law =
+      differentiate_law(system_.problem(), part.lambda_apart.data(), scaled.data(), G,
+                        apart.c.asDiagonal() * du, size, [&] { return mass_norm(at_1.M, dq); });
   note(law);
-  dy += at.factor.solve(apart.J.transpose() * (apart.c.asDiagonal() * law.multipliers));
+  dy += at_1.factor.solve(apart.J.transpose() * (apart.c.asDiagonal() * law.multipliers));
   maps_.at(y.data(), y.data());
   Matrix moved = Matrix::Zero(nv, k);
   maps_.add(&Joints::carry, dq, moved);

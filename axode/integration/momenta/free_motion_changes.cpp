@@ -15,23 +15,24 @@ using Joints = GroupDerivatives::Joints;
 
 }  // namespace
 
-void ContactStepDerivative::take_momenta(const VectorXd& q, const VectorXd& v, Momenta& out) {
-  const Eigen::Index nv = v.size();
-  for (Matrix* x : {&out.M, &out.Mv_q, &out.F_q, &out.F_v}) x->resize(nv, nv);
-  mass_matrix(model_, workspace_, Numbers<double>(as_span(q)), std::span(out.M.data(), index(nv * nv)));
-  momenta_->kinetic(*tree_, q.data(), v.data(), out.Mv_q.data(), out.F_q.data(), out.F_v.data());
+ContactStepDerivative::Mass ContactStepDerivative::mass(const VectorXd& q) {
+  Mass out{.M = Matrix(model_.nv(), model_.nv()), .factor = {}};
+  mass_matrix(model_, workspace_, Numbers<double>(as_span(q)), as_span(out.M));
   out.factor.compute(out.M);
+  return out;
 }
 
-Matrix ContactStepDerivative::Ad_transpose(const VectorXd& y, Matrix x) const {
-  for (Eigen::Index k = 0; k < x.cols(); ++k) group_.Ad_transpose(y.data(), x.col(k).data(), x.col(k).data());
-  return x;
+ContactStepDerivative::Kinetic ContactStepDerivative::kinetic(const VectorXd& q, const VectorXd& v) {
+  const Matrix square(v.size(), v.size());
+  Kinetic out{square, square, square};
+  momenta_->kinetic(*tree_, q.data(), v.data(), out.Mv_q.data(), out.F_q.data(), out.F_v.data());
+  return out;
 }
 
-Matrix ContactStepDerivative::dexp_transpose(const VectorXd& y, Matrix x) const {
-  for (Eigen::Index k = 0; k < x.cols(); ++k)
-    group_.dexp_transpose(y.data(), x.col(k).data(), x.col(k).data());
-  return x;
+Matrix ContactStepDerivative::transposed(GroupDerivatives::Block Joints::*map, const Matrix& x) const {
+  Matrix out = Matrix::Zero(x.rows(), x.cols());
+  maps_.add_transposed(map, x, out);
+  return out;
 }
 
 Matrix ContactStepDerivative::turn_of(const VectorXd& y, const VectorXd& p, bool Ad) const {
@@ -61,18 +62,21 @@ Matrix ContactStepDerivative::turn_of(const VectorXd& y, const VectorXd& p, bool
 }
 
 /// Computes the velocity of the moving frame of each floating base from its linear momentum, and its changes.
-void ContactStepDerivative::begin_bases(const ContactPart& part, const VectorXd& v_a, const Matrix& M,
-                                        const Matrix& dq, const Matrix& dp) {
+void ContactStepDerivative::begin_bases(const ContactPart& part, const Start& start, const Matrix& Mv_q) {
   bases_.clear();
-  const VectorXd p = M * v_a;
+  const Matrix& M = start.mass.M;
   for (const ContactPart::Base& base : part.bases) {
     const Eigen::Index first = tree_->operator->()->iv[index(base.body)];
     const Eigen::Matrix3d R = to_eigen(motion_.poses()[index(base.body)].R);
-    const Eigen::Vector3d linear = p.segment<3>(first + 3);
+    const auto translations = [&](const Matrix& x) { return x.middleRows<3>(first + 3); };
+    const Eigen::Vector3d linear = translations(M) * start.v_a;
+    Eigen::Matrix3Xd dlinear =
+        translations(start.dp) + translations(Mv_q) * start.dq + translations(M) * start.dv;
+    if (p_ > 0) dlinear.middleCols(first_, p_) += translations(parameter_changes_.momenta);
     const double mass = M(first + 3, first + 3);
     const Eigen::Vector3d u = R * linear / mass;
     Base out{base.body, first, base.constant, mass, from_eigen<Vec3<>>(u), {}, {}, {}};
-    out.du = R * (dp.middleRows<3>(first + 3) - skew(from_eigen<Vec3<>>(linear)) * dq.middleRows<3>(first));
+    out.du = R * (dlinear - skew(from_eigen<Vec3<>>(linear)) * start.dq.middleRows<3>(first));
     if (along_.geometry.size() > 0) {
       out.turn = to_eigen(tree_->B[index(base.body)].R * tree_->frame_offset[index(base.body)].R) *
                  along_.geometry.middleRows<3>(6 * (base.body - 1));
@@ -123,27 +127,23 @@ void ContactStepDerivative::add_frame_changes(double time, double of_place, doub
   }
 }
 
-Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Rows& start,
-                                              const Impulses& first, const Matrix& dp, const Matrix& dq,
-                                              const Matrix& dv) {
-  const Eigen::Index nv = dq.rows();
+Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Start& start, const Matrix& dp) {
+  const Eigen::Index nv = dp.rows();
   VectorXd weight(nv), velocity = part.v_0;
   system_.bias_forces(part.q_0.data(), VectorXd::Zero(nv).eval().data(), {}, weight.data());
-  Momenta at;
-  take_momenta(part.q_0, part.v_0, at);
-  const VectorXd gain = at.factor.solve(first.J.transpose() * first.physical() - part.h / 2 * weight);
+  const Impulses& first = start.first;
+  const VectorXd gain = start.mass.factor.solve(first.J.transpose() * first.physical() - part.h / 2 * weight);
   velocity += gain;
-  take_momenta(part.q_0, gain, at);
   RowMajor gravity(nv, nv);
   gravity_derivatives(model_, workspace_, Numbers<double>(as_span(part.q_0)), as_span(gravity));
-  Matrix momenta = dp - (part.h / 2 * gravity + at.Mv_q) * dq;
+  Matrix momenta = dp - (part.h / 2 * gravity + kinetic(part.q_0, gain).Mv_q) * start.dq;
   if (p_ > 0) {
     parameter_changes_.run(part.q_0.data(), gain.data(), along_);
     by_parameters(momenta) += part.h / 2 * parameter_changes_.gravity - parameter_changes_.momenta;
   }
-  const Matrix dvelocity = dv + at.factor.solve(momenta);
+  const Matrix dvelocity = start.dv + start.mass.factor.solve(momenta);
   VectorXd u;
-  const Matrix du = velocity_changes(part.q_0, velocity, start, dq, u) + first.J * dvelocity;
+  const Matrix du = velocity_changes(part.q_0, velocity, start.rows, start.dq, u) + first.J * dvelocity;
   return du.bottomRows(model_.loops().rows);
 }
 
@@ -155,11 +155,11 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
 /// its subtree. Adds to df the changes of f at constant q and v along the directions in which the step is
 /// differentiated: those by the parameters of the mechanism, from parameter_changes_, and those of the forces
 /// of springs, which depend on the motion of the moving frames.
-void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const VectorXd& v_m,
-                                        Matrix& f_q, Matrix& f_v, Matrix& df) {
+void ContactStepDerivative::take_forces(const ContactPart& part, const Matrix& M, const Kinetic& at_m,
+                                        const VectorXd& v_m, Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;
   const Eigen::Index nv = v_m.size();
-  const VectorXd p_m = at_m.M * v_m;
+  const VectorXd p_m = M * v_m;
   const Matrix none = Matrix::Zero(nv, df.cols());
   f_q = at_m.F_q;
   f_v = at_m.F_v;
@@ -168,7 +168,7 @@ void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& 
     for (Eigen::Index c = 0; c < nv; ++c) {
       group_.ad_transpose(v_m, at_m.Mv_q.col(c).data(), x);
       f_q.col(c) -= x;
-      group_.ad_transpose(v_m, at_m.M.col(c).data(), x);
+      group_.ad_transpose(v_m, M.col(c).data(), x);
       f_v.col(c) -= x;
       group_.ad_transpose(VectorXd::Unit(nv, c).eval(), p_m, x);
       f_v.col(c) -= x;
@@ -210,13 +210,13 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
   const double h = part.h;
   const Eigen::Index nv = start.dq.rows(), k = start.k, m = start.dq.cols() - k;
   const Matrix none = Matrix::Zero(nv, k + m);
-  Momenta at_m, at_1;
   Flight out;
   VectorXd v_m = part.v_middle;
   const Matrix no_direction(nv, 0);
   motion_.run(part.q_middle.data(), part.v_middle.data(), no_direction, no_direction);
   v_m -= frame_velocity(h / 2);
-  take_momenta(part.q_middle, v_m, at_m);
+  const Matrix M_m = mass(part.q_middle).M;
+  const Kinetic at_m = kinetic(part.q_middle, v_m);
   const VectorXd y = h / 2 * v_m;
   const VectorXd& p_0 = start.p;
   maps_.at(y.data(), y.data());
@@ -225,23 +225,25 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
   maps_.add(&Joints::velocity, h / 2 * Matrix::Identity(nv, nv), by_v);
   if (p_ > 0) parameter_changes_.run(part.q_middle.data(), v_m.data(), along_);
   Matrix f_q, f_v, df = start.dtau;
-  take_forces(part, at_m, v_m, f_q, f_v, df);
+  take_forces(part, M_m, at_m, v_m, f_q, f_v, df);
   const VectorXd q_1 = part.q_1;
   motion_.run(q_1.data(), part.v_before_end.data(), no_direction, no_direction);
   const VectorXd v_b = part.v_before_end - frame_velocity(h);
-  take_momenta(q_1, v_b, at_1);
-  const VectorXd p_plus = Ad_transpose(-y, at_1.M * v_b);
+  out.at_1 = mass(q_1);
+  const Matrix& M_1 = out.at_1.M;
+  const VectorXd p_plus = transposed(&Joints::carry, M_1 * v_b);
+  maps_.at((-y).eval().data(), y.data());
   const Matrix f_by_v = f_q * by_v + f_v, turn_0 = h / 2 * turn_of(y, p_0, true);
   const Matrix p_plus_by_v = turn_0 + h * f_by_v;
-  const Matrix N = at_m.M + at_m.Mv_q * by_v - h / 2 * turn_of(y, (p_0 + p_plus) / 2, false) -
-                   dexp_transpose(y, p_plus_by_v / 2);
-  Matrix dp_plus = Ad_transpose(y, start.dp) + h * (df + f_q * carry);
-  Matrix left = dexp_transpose(y, (start.dp + dp_plus) / 2) - at_m.Mv_q * carry;
+  const Matrix N = M_m + at_m.Mv_q * by_v - h / 2 * turn_of(y, (p_0 + p_plus) / 2, false) -
+                   transposed(&Joints::velocity, p_plus_by_v / 2);
+  Matrix dp_plus = transposed(&Joints::carry, start.dp) + h * (df + f_q * carry);
+  Matrix left = transposed(&Joints::velocity, (start.dp + dp_plus) / 2) - at_m.Mv_q * carry;
   if (p_ > 0) by_parameters(left) -= parameter_changes_.momenta;
   const Matrix dv_m = LuFactor(N).solve(left);
   dp_plus += p_plus_by_v * dv_m;
   out.dq_m = carry + by_v * dv_m;
-  out.dp_1 = Ad_transpose(y, dp_plus) + h / 2 * turn_of(y, p_plus, true) * dv_m;
+  out.dp_1 = transposed(&Joints::carry, dp_plus) + h / 2 * turn_of(y, p_plus, true) * dv_m;
   maps_.at((2 * y).eval().data(), y.data());
   Matrix& dq_1 = out.dq_1;
   dq_1 = none;
@@ -255,8 +257,8 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
     const Eigen::Matrix3d R_1 = to_eigen(motion_.poses()[index(base.body)].R);
     const double* const q_0 = part.q_0.data() + model_.topology().iq[index(base.body)];
     const SE3<> C_0 = subgroup::Free<double>::pose(tree_->B[index(base.body)], q_0);
-    Eigen::Matrix3Xd shift = (to_eigen(C_0.R) * start.momenta.M.middleRows<3>(linear) * start.dq -
-                              R_1 * at_1.M.middleRows<3>(linear) * dq_1) /
+    Eigen::Matrix3Xd shift = (to_eigen(C_0.R) * start.mass.M.middleRows<3>(linear) * start.dq -
+                              R_1 * M_1.middleRows<3>(linear) * dq_1) /
                              base.mass;
     if (p_ > 0) {
       parameter_changes_.run(q_1.data(), v_b.data(), along_);
