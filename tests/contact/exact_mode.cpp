@@ -136,6 +136,18 @@ TEST(ExactContact, ABoxUnderASwingingForceSlipsAndStops) {
   EXPECT_NEAR(sticks.empty() ? reversals[0] : sticks[0], stop, time_tolerance);
 }
 
+/// Its four contacts share a load and stop together, whatever rounding errors their velocities have.
+TEST(ExactContact, ABoxUnderAnySwingingForceSlipsAndStops) {
+  const double mu = 0.4, half = 0.1;
+  const Model model = Scene({.friction = mu}).add("box", ShapeKind::box, half, {.friction = mu}).build();
+  for (const double rate : {2.0, 4.3})
+    for (double force = 4.5; force < 8; force += 0.7) {
+      SCOPED_TRACE(std::to_string(force) + " N, " + std::to_string(rate) + " rad/s");
+      expect_lawful(simulate_contact_exact(model, at({0, 0, half}), std::vector<double>(6), 1.7, tight,
+                                           driven(3, [&](double t) { return force * std::sin(rate * t); })));
+    }
+}
+
 TEST(ExactContact, ABoxSlidesUpAnInclineAndSticks) {
   const double angle = 20 * std::acos(-1.0) / 180, half = 0.1, speed = 1.5;
   for (const double mu : {0.5, 0.3}) {

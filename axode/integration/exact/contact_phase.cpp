@@ -130,6 +130,10 @@ double ContactPhase::direction(std::size_t k, double* s) const {
       for (int i = 0; i < n; ++i) s[i] /= speed;
     return speed;
   }
+  if (!(forward > 0)) {  // beyond the stop, where friction along -s would drive the contact aside
+    std::copy_n(stored.begin(), n, s);
+    return speed;
+  }
   for (int i = 0; i < n; ++i) across += std::pow(s[i] - forward * stored[index(i)], 2);
   across = std::sqrt(across);
   const double turned = across > resolution ? 1 - resolution / across : 0;
@@ -138,8 +142,7 @@ double ContactPhase::direction(std::size_t k, double* s) const {
     s[i] = along + turned * (s[i] - along);
     out += s[i] * s[i];
   }
-  const double factor = (forward < 0 ? -1 : 1) / std::sqrt(out);
-  for (int i = 0; i < n; ++i) s[i] = out > 0 ? factor * s[i] : stored[index(i)];
+  for (int i = 0; i < n; ++i) s[i] /= std::sqrt(out);
   return speed;
 }
 
@@ -310,12 +313,18 @@ double ContactPhase::certificate() {
   return axode::certificate(problem, lambda.data(), scratch.data());
 }
 
-void ContactPhase::follow_directions() {
+void ContactPhase::follow_directions(const Vector& v) {
+  constexpr double certain = 1e3;  // times the resolution: a speed whose direction is known well
+  u_.resize(system_.problem().rows());
+  system_.times(v.data(), u_.data());
   for (std::size_t k = 0; k < closed.size(); ++k) {
     if (closed[k].law != ContactLaw::contact || closed[k].branch != LawBranch::slide || !has_friction(k))
       continue;
     std::array<double, LawBlock::most_rows - 1> s{};
-    direction(k, s.data());
+    if (direction(k, s.data()) > certain * resolution) {
+      closed[k].along = closed[k].about = {};
+      direction(k, s.data());
+    }
     store_direction(k, s.data());
   }
 }

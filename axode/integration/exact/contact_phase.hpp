@@ -92,8 +92,9 @@ class ContactPhase {
   double certificate();
   /// The contact forces of the phase.
   std::vector<ContactForce> forces();
-  /// Replaces the stored directions of sliding by the directions of the present sliding velocities.
-  void follow_directions();
+  /// Replaces the stored directions of sliding by those of the sliding velocities at the velocities v and the
+  /// configuration of the last project(). For slow velocities they are those of (D11.29a).
+  void follow_directions(const Vector& v);
 
   /// The open contacts and stops at a state with accelerations a (nv).
   std::string gaps(const Vector& q, const Vector& v, const Vector& a, std::vector<Gap>& out);
@@ -175,8 +176,8 @@ class ContactPhase {
   /// multiplied by the coefficient of friction of its row. Near rest, an error of the velocity turns its
   /// direction. Therefore, if a direction d_0 is stored for the contact, the part of the velocity
   /// perpendicular to d_0 is first shortened by `resolution`, the error of velocities (m/s), or set to 0 if
-  /// it is shorter (D11.29a). If the velocity has a negative component along d_0, `s` is multiplied by -1, so
-  /// that it never points against d_0.
+  /// it is shorter (D11.29a). If the velocity has no component in the direction of d_0, the contact would
+  /// have stopped before, and `s` is d_0.
   double direction(std::size_t k, double* s) const;
   /// The components of the stored direction of a contact in the axes of its friction rows.
   std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;

@@ -272,14 +272,15 @@ Failure ExactContactRun::look_ahead(double t, double t_far, double reserve_far, 
 /// Projects the state at the end of a step on the constraints of the phase and appends it to the trajectory.
 Failure ExactContactRun::accept(double t, StepEnd& end) {
   follow(t);
-  if (phase_.any())
+  if (phase_.any()) {
     if (std::string why = phase_.project(end.q, end.v); !why.empty()) return {t, why};
+    phase_.follow_directions(end.v);
+  }
   end.a.resize(end.v.size());
   drives_.act_at(as_span(end.x));
   if (Failure failure = accelerate(t, as_span(end.q), as_span(end.v), as_span(end.a))) return failure;
   end.dx = as_eigen(drives_.rates());
   static_cast<void>(phase_.reserve());
-  phase_.follow_directions();
   if (phase_.any()) certificate_ = std::max(certificate_, phase_.certificate());
   Failure failure = record(t, {.q = end.q, .v = end.v, .a = end.a, .x = end.x, .dx = end.dx});
   if (const double t_end = trajectory.t().back(); t_end < t) {  // a terminal event of the caller
