@@ -36,10 +36,10 @@ class Stage(NamedTuple):
 FEW_TREES = {"AXODE_RANDOM_TREES": "20"}
 LONG = "LargeTrees*:*MemoryOfCouplings*:LongChains*:HostileDescriptions.OnesWithMuch*:*OfManyUnknownLeaders*:*ManyJointsInAnyOrder*" \
        ":WhatFunctionsCount*:*UnitsLaw*:UnitsOfLoops*:InstructionSets*:*NotFiniteIsSaid*"
-RELEASE = Stage("release", others="Examples|Guards|MustNotCompile|Package|Peers|Viewer")
+RELEASE = Stage("release", others="Examples|Guards|Package|Peers|Viewer")
 ASAN = Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES)
 NIGHTLY = {
-    "clang": Stage("clang", others="Examples|Guards|MustNotCompile"),
+    "clang": Stage("clang", others="Examples|Guards"),
     "asan-all": Stage("asan-all", others="Examples", environment={"AXODE_RANDOM_TREES": "30"}),
     "tsan": Stage("tsan", programs="*Threads*:*ManyStates*",
                   environment={"AXODE_RANDOM_TREES": "3",  # it makes calls a hundred times as long

@@ -1,5 +1,5 @@
 // Every case below must not compile, for the reason that is stated after `expect:`, and all that stands
-// outside of them must. must_not_compile.py compiles the file with one of them, or with none.
+// outside of them must. must_not_compile.py compiles the file with none of them, and with each.
 #include "axode/axode.hpp"
 #include "axode/dynamics/generic_dynamics.hpp"
 #include "axode/scalar/dual.hpp"
