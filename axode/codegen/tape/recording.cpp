@@ -143,7 +143,8 @@ bool factors_are_exact(const Tree<double>& tree) {
 }
 
 /// Records a function of a state by running its kernel. Each result has nv or nv² numbers.
-template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, bool single_precision) {
+template <catalog::Id id, class By>
+Recording record_row(const Tree<double>& tree, const Function&, bool single_precision) {
   constexpr const catalog::Words& row = id.words();
   Traced traced(tree, row.together);
   catalog::Read<T> given;
@@ -165,7 +166,7 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
 }
 
 /// Records the mass matrix in the body-fixed representation, in which joint screws are constant and sparse.
-Recording mass_matrix(const Tree<double>& tree) {
+Recording mass_matrix(const Tree<double>& tree, const Function&, bool) {
   Traced traced(tree, "M");
   const Traces q = traced.argument("q", tree->nq);
   OnTape<CompositeBodies<BodyFixed, T>> bodies(*tree.topology());
@@ -173,7 +174,8 @@ Recording mass_matrix(const Tree<double>& tree) {
   bodies->run(traced.constants, q.data(), traced.constants.armature.data(), M.data());
   return traced.with(std::move(M));
 }
-template <class By> Recording inverse_mass_matrix(const Tree<double>& tree, bool single_precision) {
+template <class By>
+Recording inverse_mass_matrix(const Tree<double>& tree, const Function&, bool single_precision) {
   Traced traced(tree, "M_inverse");
   const Traces q = traced.argument("q", tree->nq);
   OnTape<By> by(*tree.topology());
@@ -215,13 +217,13 @@ template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Tr
   return J;
 }
 
-Recording jacobian(const Tree<double>& tree, int frame, Representation representation) {
+Recording jacobian(const Tree<double>& tree, const Function& function, bool) {
   Traced traced(tree, "J");
   const Traces q = traced.argument("q", tree->nq);
   const std::size_t nv = tree->nv;
   Traces rows(6 * nv);
-  with_representation(representation, [&](auto rep) {
-    const auto J = columns<decltype(rep)>(traced, q, frame);
+  with_representation(function.representation, [&](auto rep) {
+    const auto J = columns<decltype(rep)>(traced, q, function.frame);
     for (std::size_t c = 0; c < nv; ++c) {
       const Vec3<T>&w = J[c].w, &v = J[c].v;
       std::size_t r = 0;
@@ -232,7 +234,7 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
 }
 
 /// Records the poses of the frames `first` to `last`, 12 numbers for each: the columns of R, then r.
-Recording poses(const Tree<double>& tree, int first, int last) {
+Recording poses_between(const Tree<double>& tree, int first, int last) {
   Traced traced(tree, "C");
   const Traces q = traced.argument("q", tree->nq);
   OnTape<BodyPoses<T>> bodies(*tree.topology());
@@ -244,6 +246,12 @@ Recording poses(const Tree<double>& tree, int first, int last) {
   }
   return traced.with(std::move(out));
 }
+Recording poses(const Tree<double>& tree, const Function&, bool) {
+  return poses_between(tree, 0, tree->n_frames() - 1);
+}
+Recording pose(const Tree<double>& tree, const Function& function, bool) {
+  return poses_between(tree, function.frame, function.frame);
+}
 
 using Articulated = Solver<false>;
 using Factorized = Solver<true>;
@@ -252,18 +260,30 @@ using Factorized = Solver<true>;
 /// articulated bodies, and `by_factors` by factors of the mass matrix; `by_factors` is null for a function
 /// that does not solve with the mass matrix.
 struct Recorder {
-  using Of = Recording (*)(const Tree<double>&, bool single_precision);
+  using Of = Recording (*)(const Tree<double>&, const Function&, bool single_precision);
   Of by_bodies = nullptr, by_factors = nullptr;
 };
+template <catalog::Id id> constexpr Recorder recorder() {
+  if constexpr (!id.words().tape) {
+    return {};
+  } else if constexpr (id == "mass_matrix") {
+    return {mass_matrix};
+  } else if constexpr (id == "poses") {
+    return {poses};
+  } else if constexpr (id == "pose") {
+    return {pose};
+  } else if constexpr (id == "jacobian") {
+    return {jacobian};
+  } else if constexpr (id == "inverse_mass_matrix") {
+    return {inverse_mass_matrix<Articulated>, inverse_mass_matrix<Factorized>};
+  } else {
+    static_assert(catalog::HasRowKernel<id, Articulated>, "a row with .tape = true needs a RowKernel");
+    return {record_row<id, Articulated>, id.words().may_fail ? record_row<id, Factorized> : nullptr};
+  }
+}
 constexpr auto recorders = [] {
   std::array<Recorder, catalog::functions_of_state.size()> all{};
-  catalog::each_row([&]<catalog::Id id> {
-    if constexpr (id.words().tape && catalog::HasRowKernel<id, Articulated>)
-      all[id.index] = {record_row<id, Articulated>,
-                       id.words().may_fail ? record_row<id, Factorized> : nullptr};
-  });
-  all[catalog::Id("inverse_mass_matrix").index] = {inverse_mass_matrix<Articulated>,
-                                                   inverse_mass_matrix<Factorized>};
+  catalog::each_row([&]<catalog::Id id> { all[id.index] = recorder<id>(); });
   return all;
 }();
 
@@ -278,14 +298,10 @@ std::vector<Recording> record_solutions(const Model& model) {
 
 Recording record(const Model& model, const Function& function, bool single_precision) {
   const Tree<double> tree = traced_tree(model.tree<double>());
-  if (function.is("mass_matrix")) return mass_matrix(tree);
-  if (function.is("poses")) return poses(tree, 0, tree->n_frames() - 1);
-  if (function.is("pose")) return poses(tree, function.frame, function.frame);
-  if (function.is("jacobian")) return jacobian(tree, function.frame, function.representation);
   const Recorder& recorder = recorders[function.row.index];
-  Recording by_bodies = recorder.by_bodies(tree, single_precision);
+  Recording by_bodies = recorder.by_bodies(tree, function, single_precision);
   if (recorder.by_factors == nullptr || !factors_are_exact(tree)) return by_bodies;
-  Recording by_factors = recorder.by_factors(tree, single_precision);
+  Recording by_factors = recorder.by_factors(tree, function, single_precision);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }
 
