@@ -296,12 +296,15 @@ TEST(PrescribedMotions, ThatCannotBeFollowedEndAtAnyTime) {
 TEST(PrescribedMotions, ThatContradictEachOtherEndTheMotion) {
   Description d = slider_crank();
   const AssemblyResult start = bent(built(d), 1);
-  d.motions = {{.of = "turn", .coefficients = {start.q[0], 0, 1}},
-               {.of = "slide", .coefficients = {start.q[2]}}};
-  const Trajectory motion = simulate(built(d), start.q, start.v, 1);
-  EXPECT_FALSE(motion.complete);
-  EXPECT_THAT(motion.stop_reason,
-              HasSubstr("the loops and the other motions do not allow the prescribed motion of \""));
+  for (const double acceleration : {1.0, 1e160, 1e300}) {  // squares above 1e154 are not representable
+    d.motions = {{.of = "turn", .coefficients = {start.q[0], 0, acceleration}},
+                 {.of = "slide", .coefficients = {start.q[2]}}};
+    const Trajectory motion = simulate(built(d), start.q, start.v, 1);
+    EXPECT_FALSE(motion.complete);
+    EXPECT_THAT(motion.stop_reason,
+                HasSubstr("the loops and the other motions do not allow the prescribed motion of \""))
+        << acceleration;
+  }
   d.motions[0].coefficients = {start.q[0]};  // both rest
   const Trajectory rests = simulate(built(d), start.q, start.v, 0.1);
   EXPECT_TRUE(rests.complete) << rests.stop_reason;

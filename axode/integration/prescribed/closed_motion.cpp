@@ -1,21 +1,15 @@
 #include "axode/integration/prescribed/closed_motion.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/prescribed/singularity.hpp"
+#include "axode/constraints/stable_norm.hpp"
 
 namespace axode {
 namespace {
 
 constexpr double closed = 1e-13;
-
-double norm(std::span<const double> x) {
-  double sum = 0;
-  for (const double x_k : x) sum += x_k * x_k;
-  return std::sqrt(sum);
-}
 
 }  // namespace
 
@@ -45,7 +39,9 @@ std::string ClosedMotion::unfollowed(Span q, Span v, Span a) {
   system.make_rows(ConstraintLevel::velocity);
   const std::span<const double> rates = system.acceleration_residual(a.data());
   constexpr double tolerance = 1e-6;
-  const std::string name = motions_.worst(rates, tolerance * (1 + norm(a) + norm(v) * norm(v)));
+  const double speed = stable_norm(v);
+  const std::string name =
+      motions_.worst(rates, tolerance * (1 + stable_norm(a)) + (tolerance * speed) * speed);
   return name.empty() ? name
                       : "the loops and the other motions do not allow the prescribed motion of \"" + name +
                             "\" at this configuration";
@@ -140,7 +136,7 @@ double ClosedMotion::open(Span q) {
   LoopSystem<double>& system = workspace_.system(model_);
   system.update_kinematics(q.data());
   system.residual(q.data(), r_.data());
-  return norm(Span(r_).first(static_cast<std::size_t>(model_.loops().residuals)));
+  return stable_norm(Span(r_).first(static_cast<std::size_t>(model_.loops().residuals)));
 }
 
 bool ClosedMotion::is_closed(Span q) { return open(q) <= closed_enough; }
