@@ -85,16 +85,14 @@ void assemble(const Model& model, const Assembling& assembling, State& state) {
   state.v = std::move(closed.v);
 }
 
-std::optional<std::string> open_loop(const Model& model, const State& state, bool strict,
-                                     const std::string& place) {
+std::optional<std::string> open_loop(const Model& model, const State& state, bool strict) {
   if (model.loops().empty()) return std::nullopt;
   LoopWorkspace<double> workspace(model);
   try {
     check_closed(checked<double>(model, workspace, state.q), state.q, state.v);
   } catch (const std::invalid_argument& open) {
-    const std::string warning = place + open.what();
-    if (strict) throw InputError(warning);
-    return warning;
+    if (strict) throw InputError(open.what());
+    return open.what();
   }
   return std::nullopt;
 }

@@ -28,9 +28,7 @@ void add_assembly_options(CLI::App& app, Assembling& assembling);
 /// --assemble or names a coupled joint.
 void assemble(const Model& model, const Assembling& assembling, State& state);
 /// Returns a sentence on a loop that is open at a state, or that its velocities open; nothing if the loops
-/// are closed. `place` names the state, and begins the sentence. Throws the sentence as an InputError if
-/// warnings are errors.
-std::optional<std::string> open_loop(const Model& model, const State& state, bool strict,
-                                     const std::string& place = {});
+/// are closed. Throws the sentence as an InputError if warnings are errors.
+std::optional<std::string> open_loop(const Model& model, const State& state, bool strict);
 
 }  // namespace axode::command

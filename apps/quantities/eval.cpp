@@ -21,6 +21,7 @@
 #include "apps/shell/terminal.hpp"
 #include "axode/eigen.hpp"
 #include "axode/model/building/builder.hpp"
+#include "axode/model/building/nearest_name.hpp"
 
 namespace axode::command {
 namespace {
@@ -275,6 +276,21 @@ void add_points(const Answer& answer, double t, std::vector<Curve>& curves) {
   }
 }
 
+/// Calls f(), which computes a state of a sweep. `place` names this state, and begins the sentences of errors.
+template <class F> void at_state(const std::string& place, const F& f) {
+  try {
+    f();
+  } catch (const InputError& error) {
+    std::vector<std::string> sentences = error.sentences();
+    for (std::string& sentence : sentences) sentence.insert(0, place);
+    throw InputError(std::move(sentences));
+  } catch (const UnknownName&) {  // in an option, which is the same at every state
+    throw;
+  } catch (const std::invalid_argument& error) {
+    throw InputError(place + error.what());
+  }
+}
+
 /// Prints the chosen quantities at each state of a sequence of states, and draws their chart.
 void run_sweep(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask,
                const std::optional<ChartFile>& plot) {
@@ -287,16 +303,19 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
   std::optional<std::string> open;  // at the first state with an open loop
   for (std::size_t i = 0; i < sweep.states.size(); ++i) {
     ask.state = sweep.states[i];
-    assemble(ask.model, options.assembling, ask.state);
-    if (!open) open = open_loop(ask.model, ask.state, options.mechanism.strict, fmt::format("state {}: ", i));
-    for (std::size_t k = 0; k < chosen.size(); ++k) {
-      const Answer answer = finite_answer(chosen[k], ask);
-      const std::string name(chosen[k].name);
-      results[name].push_back(answer.value);
-      labels[name] = label_of(chosen[k], answer);
-      units[k] = answer.units;
-      add_points(answer, sweep.t[i], curves_of_all[k]);
-    }
+    const std::string place = fmt::format("state {}: ", i);
+    at_state(place, [&] {
+      assemble(ask.model, options.assembling, ask.state);
+      if (!open && (open = open_loop(ask.model, ask.state, options.mechanism.strict))) open->insert(0, place);
+      for (std::size_t k = 0; k < chosen.size(); ++k) {
+        const Answer answer = finite_answer(chosen[k], ask);
+        const std::string name(chosen[k].name);
+        results[name].push_back(answer.value);
+        labels[name] = label_of(chosen[k], answer);
+        units[k] = answer.units;
+        add_points(answer, sweep.t[i], curves_of_all[k]);
+      }
+    });
   }
   Chart chart{.title = ask.model.name()};
   for (std::size_t k = 0; k < chosen.size(); ++k) {

@@ -289,8 +289,10 @@ TEST(Eval, SaysThatALoopIsOpenAtTheState) {
   const std::string sweep = folder.write("sweep.csv",
                                          "t,q crank_joint,q coupler_joint,q rocker_joint\n"
                                          "0,0,0,0\n0.1,0.5,0,0\n");
-  EXPECT_THAT(axode({"eval", file, "--state", sweep, "--want", "mass_matrix"}).out,
-              testing::HasSubstr("warning: state 1: q leaves loop \"pin\" open by "));
+  std::vector<std::string> mass{"eval", file, "--state", sweep, "--want", "mass_matrix"};
+  EXPECT_THAT(axode(mass).out, testing::HasSubstr("warning: state 1: q leaves loop \"pin\" open by "));
+  mass.emplace_back("--strict");
+  EXPECT_THAT(axode(mass).err, testing::StartsWith("axode eval: state 1: q leaves loop \"pin\" open by "));
 }
 
 /// The loops of the second state cannot be closed, and the second quantity has no value at the first state.
@@ -310,9 +312,13 @@ TEST(Eval, ASweepClosesTheLoopsOfAStateOnceForAllQuantities) {
     EXPECT_EQ(outcome.code, 1) << outcome.out;
     return outcome.err;
   };
-  EXPECT_THAT(error("mass_matrix"), testing::HasSubstr("stays open by "));
+  EXPECT_THAT(error("mass_matrix"), testing::AllOf(testing::StartsWith("axode eval: state 1: "),
+                                                   testing::HasSubstr("stays open by ")));
   EXPECT_THAT(error("mass_matrix,inverse_dynamics"),
-              testing::HasSubstr("a does not keep loop \"pin\" closed"));
+              testing::StartsWith("axode eval: state 0: a does not keep loop \"pin\" closed"));
+  *std::ranges::find(words, "crank_joint") = "crank";
+  EXPECT_THAT(error("mass_matrix"),
+              testing::StartsWith("axode eval: model \"four-bar\" has no joint \"crank\""));
 }
 
 TEST(Eval, DistancesHaveNearestPointsCertificatesAndJacobians) {
