@@ -8,6 +8,8 @@
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/prescribed/motion_rows.hpp"
+#include "axode/constraints/stable_norm.hpp"
+#include "axode/eigen.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/recursion/decompositions.hpp"
@@ -159,15 +161,17 @@ class Assembly {
     rates.array() /= unit_of_row_.array();
     const Matrix A = rows(ConstraintLevel::velocity);
     Eigen::Map<Vector> v(result_.v.data(), model_.nv());
-    const double first = rates.norm();
+    const double first = stable_norm(as_span(rates));
     for (int n = 0; n < 3; ++n) {  // each step reduces the residual A v to a small part of it
       const Vector dv = least(A, rates, 1e-8 * A.squaredNorm());
       v += unit_of_velocity_.cwiseProduct(dv);
       rates += A * dv;
     }
     constexpr double tolerable = 1e-8;
-    const double size = first + A.norm() * v.cwiseQuotient(unit_of_velocity_).norm();
-    return rates.norm() <= tolerable * size ? AssemblyStatus::closed : AssemblyStatus::held_velocities;
+    const Vector without_units = v.cwiseQuotient(unit_of_velocity_);
+    const double size = first + A.norm() * stable_norm(as_span(without_units));
+    return is_within(stable_norm(as_span(rates)), tolerable * size) ? AssemblyStatus::closed
+                                                                    : AssemblyStatus::held_velocities;
   }
   /// The length (m) by which all lengths are divided: the largest distance of a body on a loop from the first
   /// body on its path from the ground, or of a loop joint from the origin of its body; 1 if all these

@@ -538,12 +538,15 @@ TEST(Assembly, SaysThatHeldVelocitiesDoNotKeepLoopsClosed) {
   const std::array<int, 2> two{0, 1};
   const std::array<int, 1> one{0};
   AssemblyOptions options;
-  options.held = one;
-  EXPECT_EQ(assemble(model, neutral(model), Numbers{1, 1, 0}, options).status, AssemblyStatus::closed);
-  options.held = two;
-  const AssemblyResult found = assemble(model, neutral(model), Numbers{1, 1, 0}, options);
-  EXPECT_EQ(found.status, AssemblyStatus::held_velocities);
-  EXPECT_EQ(to_string(model, found).find("the loops are closed, but no velocities with the held ones"), 0U);
+  for (const double speed : {1.0, 1e160, 1e300}) {  // squares above 1e154 are not representable
+    const Numbers v{speed, speed, 0};
+    options.held = one;
+    EXPECT_EQ(assemble(model, neutral(model), v, options).status, AssemblyStatus::closed) << speed;
+    options.held = two;
+    const AssemblyResult found = assemble(model, neutral(model), v, options);
+    EXPECT_EQ(found.status, AssemblyStatus::held_velocities) << speed;
+    EXPECT_EQ(to_string(model, found).find("the loops are closed, but no velocities with the held ones"), 0U);
+  }
 }
 
 /// No form of two shaky loops in one model is definite, but their sum is.

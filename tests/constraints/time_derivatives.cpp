@@ -244,14 +244,18 @@ TEST(TimeDerivativesWithLoops, StopWhereATwistIsOutOfReach) {
   const Model model = ModelBuilder(d).build();
   const std::vector<double> stretched{0, 0}, bent{0, 1};
   std::vector<double> rates(6);
-  const std::vector<TwistRate<Hybrid>> inwards{{}, {{}, {-1, 0, 0}}, {}};
+  std::vector<TwistRate<Hybrid>> inwards(3);
   const TwistTarget<Hybrid> tip{.place = "tip", .V = inwards, .angular = false};
-  RatesReached reached = inverse_kinematics_rates<Hybrid>(model, stretched, std::span(&tip, 1), rates);
-  EXPECT_EQ(reached.orders, 1);
-  EXPECT_NEAR(reached.missing, 1, 1e-9);
-  EXPECT_EQ(rates[0], 0);
-  EXPECT_TRUE(std::isnan(rates[2]) && std::isnan(rates[5]));
-  reached = inverse_kinematics_rates<Hybrid>(model, bent, std::span(&tip, 1), rates);
+  for (const double acceleration : {1e300, 1e160, 1.0}) {  // squares above 1e154 are not representable
+    inwards[1].v.x = -acceleration;
+    const RatesReached reached =
+        inverse_kinematics_rates<Hybrid>(model, stretched, std::span(&tip, 1), rates);
+    EXPECT_EQ(reached.orders, 1) << acceleration;
+    EXPECT_NEAR(reached.missing, 1, 1e-9) << acceleration;
+    EXPECT_EQ(rates[0], 0);
+    EXPECT_TRUE(std::isnan(rates[2]) && std::isnan(rates[5])) << acceleration;
+  }
+  const RatesReached reached = inverse_kinematics_rates<Hybrid>(model, bent, std::span(&tip, 1), rates);
   EXPECT_EQ(reached.orders, 3);
   EXPECT_EQ(reached.missing, 0);
 }

@@ -8,6 +8,7 @@
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/higher_order/loop_series.hpp"
+#include "axode/constraints/stable_norm.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics/higher_order/higher_order.hpp"
 #include "axode/model/finite.hpp"
@@ -137,9 +138,11 @@ RatesReached inverse_kinematics_rates(const Model& model, Numbers<double> q,
     const Eigen::VectorXd b = system.wanted - system.known;
     Eigen::VectorXd x(model.nv());
     if (x.size() > 0) x = least_squares(system.matrix, b, rounding);
-    const double size = system.wanted.norm() + system.known.norm() + system.matrix.norm() * x.norm();
-    const double left = (b - system.matrix * x).norm();
-    if (!(left <= reachable * size)) {
+    const Eigen::VectorXd rest = b - system.matrix * x;
+    const double size = stable_norm(as_span(system.wanted)) + stable_norm(as_span(system.known)) +
+                        system.matrix.norm() * stable_norm(as_span(x));
+    const double left = stable_norm(as_span(rest));
+    if (!is_within(left, reachable * size)) {
       std::ranges::fill(rates.subspan(k * nv), std::numeric_limits<double>::quiet_NaN());
       return {static_cast<int>(k), left / size};
     }
