@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "tests/contact/scene.hpp"
 #include "tests/contact/step_differences.hpp"
 #include "tests/support/random_loops.hpp"
 #include "tests/support/refused_arguments.hpp"
@@ -236,6 +237,26 @@ TEST(StepDerivatives, OfAWholeMotionAreProductsOfThoseOfItsSteps) {
                           product(by_surfaces, dsurfaces) + product(by_placement, dplacement) +
                           product(by_inertia, dinertia) + product(by_geometry, dgeometry);
   EXPECT_NEAR(forward, backward, 1e-9 * (1 + std::abs(forward)));
+}
+
+/// A box that a force pushes aside, which friction balances, ends each step at rest, whatever velocity it
+/// begins the step with.
+TEST(StepDerivatives, OfARestingBoxAreThoseOfABoxThatSticks) {
+  const Model model = Scene({.friction = 0.5}).add("box", ShapeKind::box, 0.1, {.friction = 0.5}).build();
+  const ContactShapes shapes(model);
+  const std::vector<double> q{0, 0, 0, 1, 0, 0, 0.1}, rest(6);
+  constexpr std::size_t K = 60;
+  std::vector<double> q_out(7 * (K + 1)), v_out(6 * (K + 1)), A(144 * K), B(72 * K);
+  for (const double aside : {0.1, 0.3, 0.7}) {
+    std::vector<double> tau(6 * K);
+    for (std::size_t k = 0; k < K; ++k) tau[6 * k + 3] = aside;
+    const ContactSensitivity found =
+        contact_rollout_derivatives(model, shapes, q, rest, tau, 5e-3, {q_out, v_out, A, B});
+    ASSERT_TRUE(found.ok() && found.unique) << aside;
+    for (std::size_t k = 0; k < K; ++k)
+      for (std::size_t r = 6; r < 12; ++r)
+        for (std::size_t c = 6; c < 12; ++c) EXPECT_NEAR(A[144 * k + 12 * r + c], 0, 1e-9) << k;
+  }
 }
 
 TEST(StepDerivatives, RefuseDrivesWithStates) {

@@ -35,6 +35,9 @@ bool ContactStep::set_r_of_start(double h, bool choose) {
   std::ranges::fill(u, 0.0);
   problem.add_transposed(start_.x.data(), u.data());
   bool changed = false;
+  // Slower velocities are rounding errors of those that the impulses stop.
+  constexpr double rounding = 1e-10;
+  const double at_rest = rounding * (start_.x - problem.w).norm();
   const auto set = [&](std::size_t row, double velocity, bool less_u = true) {
     problem.r[row] = problem.c[row] * velocity - (less_u ? u[row] : 0);
   };
@@ -59,7 +62,8 @@ bool ContactStep::set_r_of_start(double h, bool choose) {
       change += std::pow(problem.c[i] * (slip_[i] - start_.u[i]), 2);
     }
     if (choose) {
-      const char slides = start_.lambda[row] > 0 && change < before / 4;
+      const double rest = at_rest * std::sqrt(problem.squared_scales()[row]);
+      const char slides = start_.lambda[row] > 0 && before > rest * rest && change < before / 4;
       changed = changed || slides != slides_[k];
       slides_[k] = slides;
     }
