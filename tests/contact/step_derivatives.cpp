@@ -244,15 +244,16 @@ TEST(StepDerivatives, OfAWholeMotionAreProductsOfThoseOfItsSteps) {
 TEST(StepDerivatives, OfARestingBoxAreThoseOfABoxThatSticks) {
   const Model model = Scene({.friction = 0.5}).add("box", ShapeKind::box, 0.1, {.friction = 0.5}).build();
   const ContactShapes shapes(model);
-  const std::vector<double> q{0, 0, 0, 1, 0, 0, 0.1}, rest(6);
+  const std::vector<double> rest(6);
   constexpr std::size_t K = 60;
   std::vector<double> q_out(7 * (K + 1)), v_out(6 * (K + 1)), A(144 * K), B(72 * K);
-  for (const double aside : {0.1, 0.3, 0.7}) {
+  for (const auto& [aside, away] : {std::pair{0.1, 0.0}, {0.3, 0.0}, {0.7, 0.0}, {0.3, 1e4}}) {
+    const std::vector<double> q{0, 0, 0, 1, away, 0, 0.1};
     std::vector<double> tau(6 * K);
     for (std::size_t k = 0; k < K; ++k) tau[6 * k + 3] = aside;
     const ContactSensitivity found =
         contact_rollout_derivatives(model, shapes, q, rest, tau, 5e-3, {q_out, v_out, A, B});
-    ASSERT_TRUE(found.ok() && found.unique) << aside;
+    ASSERT_TRUE(found.ok() && found.unique) << aside << " N, at " << away << " m";
     for (std::size_t k = 0; k < K; ++k)
       for (std::size_t r = 6; r < 12; ++r)
         for (std::size_t c = 6; c < 12; ++c) EXPECT_NEAR(A[144 * k + 12 * r + c], 0, 1e-9) << k;

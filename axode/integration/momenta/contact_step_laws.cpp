@@ -6,6 +6,12 @@
 #include <limits>
 
 namespace axode {
+namespace {
+
+/// The relative rounding error of places.
+constexpr double resolution = 4 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
 
 /// Linearises the mean forces of compliant contacts over the step in their gaps at its end (D11.26).
 void ContactStep::set_compliances(double h) {
@@ -35,7 +41,7 @@ bool ContactStep::set_r_of_start(double h, bool choose) {
   std::ranges::fill(u, 0.0);
   problem.add_transposed(start_.x.data(), u.data());
   bool changed = false;
-  // Slower velocities are rounding errors of those that the impulses stop.
+  // Slower velocities are rounding errors of those that the impulses stop, or of places.
   constexpr double rounding = 1e-10;
   const double at_rest = rounding * (start_.x - problem.w).norm();
   const auto set = [&](std::size_t row, double velocity, bool less_u = true) {
@@ -62,7 +68,8 @@ bool ContactStep::set_r_of_start(double h, bool choose) {
       change += std::pow(problem.c[i] * (slip_[i] - start_.u[i]), 2);
     }
     if (choose) {
-      const double rest = at_rest * std::sqrt(problem.squared_scales()[row]);
+      const double rest = at_rest * std::sqrt(problem.squared_scales()[row]) +
+                          contact.surface.friction * resolution * (norm(contact.point) + size_) / h;
       const char slides = start_.lambda[row] > 0 && before > rest * rest && change < before / 4;
       changed = changed || slides != slides_[k];
       slides_[k] = slides;
@@ -101,7 +108,6 @@ double ContactStep::rounding_error(double h) const {
   double place = 0, weights = 0;
   for (const Contact& contact : start_.contacts) place = std::max(place, norm(contact.point));
   for (const double weight : weights_) weights += weight * weight;
-  constexpr double resolution = 4 * std::numeric_limits<double>::epsilon();
   return resolution * (place + size_) / h * std::sqrt(weights) / size;
 }
 
