@@ -136,7 +136,8 @@ TEST(ExactContact, ABoxUnderASwingingForceSlipsAndStops) {
   EXPECT_NEAR(sticks.empty() ? reversals[0] : sticks[0], stop, time_tolerance);
 }
 
-/// Its four contacts share a load and stop together, whatever rounding errors their velocities have.
+/// The four corners of a box, which share its weight, stop together, although their velocities have rounding
+/// errors.
 TEST(ExactContact, ABoxUnderAnySwingingForceSlipsAndStops) {
   const double mu = 0.4, half = 0.1;
   const Model model = Scene({.friction = mu}).add("box", ShapeKind::box, half, {.friction = mu}).build();

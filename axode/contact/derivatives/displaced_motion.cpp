@@ -70,18 +70,14 @@ DisplacedMotion::DisplacedMotion(const Model& model)
       poses_(static_cast<std::size_t>(model.n_bodies()) + 1),
       V_(poses_.size()) {}
 
-void DisplacedMotion::set_geometry(const Changes& geometry, Eigen::Index first) {
-  geometry_ = geometry;
-  first_ = first;
-}
-
-void DisplacedMotion::run(const double* q, const double* v, const Changes& dq, const Changes& dv) {
+void DisplacedMotion::run(const double* q, const double* v, const Changes& dq, const Changes& dv,
+                          Eigen::Index first) {
   spatial_->run(*tree_, q);
   const Topology& topology = *tree_->operator->();
   xi_.setZero(6 * (topology.n + 1), dq.cols());
   dV_.setZero(6 * (topology.n + 1), dq.cols());
-  if (geometry_.size() > 0 && first_ < dq.cols())
-    xi_.middleCols(first_, geometry_.cols()) = geometric_displacements(*tree_, *spatial_, q, geometry_);
+  if (geometry_.size() > 0 && dq.cols() > 0)
+    xi_.middleCols(first, geometry_.cols()) = geometric_displacements(*tree_, *spatial_, q, geometry_);
   for (int i = 1; i <= topology.n; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
     const int p = topology.parent[i];

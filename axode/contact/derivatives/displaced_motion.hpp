@@ -56,11 +56,11 @@ class DisplacedMotion {
   /// Sets the changes of the geometric parameters of all n bodies along p directions: `geometry`, 6 n × p, or
   /// empty if the parameters do not change. Rows 6 (i - 1) to 6 i - 1 belong to body i. The six parameters of
   /// a body displace its joint and its subtree along the unit screws, angular before linear, of the frame
-  /// that the body has while its joint is at zero. If run() computes changes of the motion along k > `first`
-  /// directions, the columns of `geometry` belong to its directions `first` to `first` + p - 1.
-  void set_geometry(const Changes& geometry, Eigen::Index first);
-  /// Computes the poses and twists of all bodies and their changes along (dq, dv), nv × k each.
-  void run(const double* q, const double* v, const Changes& dq, const Changes& dv);
+  /// that the body has while its joint is at zero.
+  void set_geometry(const Changes& geometry) { geometry_ = geometry; }
+  /// Computes the poses and twists of all bodies and their changes along (dq, dv), nv × k each. If the
+  /// geometric parameters change and k > 0, they change along the directions `first` to `first` + p - 1.
+  void run(const double* q, const double* v, const Changes& dq, const Changes& dv, Eigen::Index first = 0);
 
   Eigen::Index directions() const { return xi_.cols(); }
   /// The poses of the internal frames of all bodies in the inertial frame, n_bodies + 1 entries.
@@ -94,8 +94,7 @@ class DisplacedMotion {
   std::vector<SE3<>> poses_;
   std::vector<Twist<Spatial>> V_;
   Changes geometry_;
-  Eigen::Index first_ = 0;  ///< first direction of geometry_
-  Changes xi_, dV_;         ///< ξ and dV of all bodies, 6 (n_bodies + 1) × k
+  Changes xi_, dV_;  ///< ξ and dV of all bodies, 6 (n_bodies + 1) × k
 };
 
 }  // namespace axode

@@ -13,15 +13,13 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 void ContactStepDerivative::displace_each(const VectorXd& q, const VectorXd& v) {
   first_column_ = model_.nv();
-  motion_.set_geometry(along_.geometry, first_column_ + first_);
-  motion_.run(q.data(), v.data(), each_, none_);
+  motion_.run(q.data(), v.data(), each_, none_, first_column_ + first_);
 }
 
 void ContactStepDerivative::displace(const VectorXd& q, const VectorXd& v, const Matrix& dq,
                                      const Matrix& dv) {
   first_column_ = 0;
-  motion_.set_geometry(along_.geometry, first_);
-  motion_.run(q.data(), v.data(), dq, dv);
+  motion_.run(q.data(), v.data(), dq, dv, first_);
 }
 
 Matrix ContactStepDerivative::chain(const Eigen::Ref<const Matrix>& x, const Matrix& dq) const {
@@ -129,8 +127,7 @@ Matrix ContactStepDerivative::impulse_changes(const VectorXd& q, const Rows& row
   for (std::size_t k = 0; k < rows.jets.size(); ++k)
     motion_.add_impulse_changes(rows.jets[k], rows.changes[k], rows.axes[k], rows.daxes[k], width,
                                 physical.data() + static_cast<Eigen::Index>(k) * width, by_each);
-  const Matrix out = chain(by_each, dq);
-  if (model_.loops().empty()) return out;
+  if (model_.loops().empty()) return chain(by_each, dq);
   LoopSystem<double>& loops = loops_.system(model_);
   const Eigen::Index nv = dq.rows(), m = model_.loops().rows;
   RowMajor by_q = RowMajor::Zero(m, nv), by_v = by_q, forces_by_q = RowMajor::Zero(nv, nv);
@@ -140,7 +137,8 @@ Matrix ContactStepDerivative::impulse_changes(const VectorXd& q, const Rows& row
   loops.make_rows(ConstraintLevel::velocity);
   loops.differentiate(physical.data() + system_.first_loop_row(), by_q.data(), by_v.data(),
                       forces_by_q.data());
-  return out + forces_by_q * dq;
+  by_each.leftCols(nv) += forces_by_q;
+  return chain(by_each, dq);
 }
 
 Matrix ContactStepDerivative::velocity_changes(const VectorXd& q, const VectorXd& x, const Rows& rows,
@@ -155,8 +153,7 @@ Matrix ContactStepDerivative::velocity_changes(const VectorXd& q, const VectorXd
     by_each.middleRows(row, width) = motion_.row_velocities(rows.jets[k], rows.changes[k], rows.axes[k],
                                                             rows.daxes[k], width, u.data() + row);
   }
-  Matrix out = chain(by_each, dq);
-  if (model_.loops().empty()) return out;
+  if (model_.loops().empty()) return chain(by_each, dq);
   LoopSystem<double>& loops = loops_.system(model_);
   const Eigen::Index loop_rows = model_.loops().rows;
   RowMajor by_q = RowMajor::Zero(loop_rows, nv), by_v = by_q, forces_by_q = RowMajor::Zero(nv, nv);
@@ -165,8 +162,8 @@ Matrix ContactStepDerivative::velocity_changes(const VectorXd& q, const VectorXd
   loops.force(q.data(), none.data(), x.data(), {}, force.data());
   loops.make_rows(ConstraintLevel::velocity);
   loops.differentiate(no_multipliers.data(), by_q.data(), by_v.data(), forces_by_q.data());
-  out.bottomRows(loop_rows) = by_q * dq;
-  return out;
+  by_each.bottomLeftCorner(loop_rows, nv) = by_q;
+  return chain(by_each, dq);
 }
 
 }  // namespace axode

@@ -66,7 +66,7 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   const Eigen::Index nv = dq.rows(), k = dq.cols();
 
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_start.size());
-  out.k = k_ = k;
+  k_ = k;
   for (Matrix* x : {&out.dq, &out.dv, &out.dtau, &out.dp}) x->setZero(nv, k + m);
   out.dq.leftCols(k) = dq;
   out.dv.leftCols(k) = dv;
@@ -76,6 +76,7 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   along_ = directions.parameters;
   p_ = along_.count();
   first_ = k - p_;
+  motion_.set_geometry(along_.geometry);
   const bool shapes_change =
       thickness_.size() > 0 || along_.geometry.size() > 0 || along_.placement.size() > 0;
   each_.setIdentity(nv, nv + (shapes_change ? k : 0));
@@ -140,16 +141,15 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
   out.u.resize(m);
   out.du.resize(m, start.dq.cols());
   for (std::size_t c = 0; c < part.start.size(); ++c) {
-    const ContactChanges& before = start.rows.changes[c];
+    const ContactChanges& at_start = start.rows.changes[c];
+    const VectorChanges from_changes = chain(at_start.normal, start.dq);
     if (!middle.found[c]) {  // the step takes the place at the start
       middle.jets[c] = start.rows.jets[c];
-      middle.changes[c] = {chain(before.point, start.dq), chain(before.normal, start.dq),
-                           chain(before.gap, start.dq)};
+      middle.changes[c] = {chain(at_start.point, start.dq), from_changes, chain(at_start.gap, start.dq)};
     }
     const Vec3<>&from = part.start[c].normal, &to = middle.jets[c].normal;
     middle.axes.push_back(turned(start.rows.axes[c], to));
-    middle.daxes.push_back(
-        turned_changes(from, chain(before.normal, start.dq), to, middle.changes[c].normal));
+    middle.daxes.push_back(turned_changes(from, from_changes, to, middle.changes[c].normal));
     const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
     out.du.middleRows(row, width) = motion_.row_velocities(middle.jets[c], middle.changes[c], middle.axes[c],
                                                            middle.daxes[c], width, out.u.data() + row);
@@ -201,7 +201,7 @@ bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const
       const double C = system_.problem().squared_scales()[index(row)];
       u[row] = 0;
       du.row(row) = C * h / 2 * (mean.slope * du.row(row) + mean.slope_before * gap_before);
-      du(row, start.k + row) += C;
+      du(row, k_ + row) += C;
     } else {
       u[row] = (gap - (part.overlaps[c] ? part.start[c].gap : 0)) / h;
       if (part.overlaps[c]) du.row(row) -= gap_before;

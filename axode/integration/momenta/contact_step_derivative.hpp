@@ -113,7 +113,6 @@ class ContactStepDerivative {
   /// row at the start of the substep, divided by the coefficient of friction if it is a friction row of a
   /// contact.
   struct Start {
-    Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
     Rows rows;
     Impulses first;

@@ -208,7 +208,7 @@ void ContactStepDerivative::take_forces(const ContactPart& part, const Matrix& M
 /// Differentiates the free motion (D11.20).
 ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part, const Start& start) {
   const double h = part.h;
-  const Eigen::Index nv = start.dq.rows(), k = start.k, m = start.dq.cols() - k;
+  const Eigen::Index nv = start.dq.rows(), k = k_, m = start.dq.cols() - k;
   const Matrix none = Matrix::Zero(nv, k + m);
   Flight out;
   VectorXd v_m = part.v_middle;

@@ -48,8 +48,9 @@ class FloatingBases {
     kernel_->run(*tree_, q);
     place(t);
   }
-  /// Places the moving frames for a time t like the other overload, at the configuration at which `bodies` have
-  /// factorised the mass matrix. Their poses and inertias are taken over, so that they are not computed again.
+  /// Places the moving frames for a time t like the other overload, at the configuration at which `bodies`
+  /// have factorised the mass matrix. Their poses and inertias are taken over, so that they are not computed
+  /// again.
   void place(double t, const ArticulatedBodies<Spatial, double>& bodies) {
     if (roots_.empty()) return;
     kernel_->take(*tree_->operator->(), bodies);
