@@ -1,5 +1,5 @@
 # Code for several instruction sets in one library. Sources of kernels are compiled for x86-64, x86-64-v3 and
-# x86-64-v4, and mark by AXODE_ENTRY the functions that other code calls (axode/scalar/instruction_set.hpp).
+# x86-64-v4, or for those of them that this processor has, and mark by AXODE_ENTRY the functions that other code calls (axode/scalar/instruction_set.hpp).
 # choose_at_load.cmake joins the objects of a group to one object, in which only these functions are visible:
 # each is a jump to the code of the set that was chosen when the library was loaded. All other functions of
 # the sets are local, so that no linker can use a template that was compiled for AVX-512 in other code.
@@ -17,12 +17,22 @@ set(wanted ${possible})
 if(AXODE_NATIVE OR AXODE_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL Debug)
   set(wanted OFF)
 endif()
-option(AXODE_INSTRUCTION_SETS "Compile kernels for x86-64, x86-64-v3 and x86-64-v4; the library chooses when it is loaded"
-       ${wanted})
+set(AXODE_INSTRUCTION_SETS ${wanted} CACHE STRING
+    "Compile kernels for x86-64, x86-64-v3 and x86-64-v4 (ON), or for those that this processor has (host); the library chooses when it is loaded")
 if(AXODE_INSTRUCTION_SETS AND NOT possible)
   message(FATAL_ERROR "AXODE_INSTRUCTION_SETS needs x86-64, ELF, GNU ld, objcopy and readelf; configure with -DAXODE_INSTRUCTION_SETS=OFF")
 endif()
 
+set(axode_sets x86-64 x86-64-v3 x86-64-v4)
+if(AXODE_INSTRUCTION_SETS STREQUAL host)
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} -march=native -dM -E -x c++ /dev/null OUTPUT_VARIABLE has)
+  if(NOT has MATCHES "__AVX512VL__")
+    list(REMOVE_ITEM axode_sets x86-64-v4)
+  endif()
+  if(NOT has MATCHES "__AVX2__")
+    list(REMOVE_ITEM axode_sets x86-64-v3)
+  endif()
+endif()
 if(NOT AXODE_INSTRUCTION_SETS)
   string(TOLOWER "${CMAKE_SYSTEM_PROCESSOR}" only_set)
   if(AXODE_NATIVE)
@@ -30,9 +40,12 @@ if(NOT AXODE_INSTRUCTION_SETS)
   elseif(only_set MATCHES "^(x86_64|amd64)$")
     set(only_set x86-64)
   endif()
-  set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/scalar/instruction_set.cpp
-                              PROPERTIES COMPILE_DEFINITIONS "AXODE_ONLY_SET=\"${only_set}\"")
+  set(of_sets "AXODE_ONLY_SET=\"${only_set}\"")
+else()
+  list(LENGTH axode_sets n)
+  set(of_sets AXODE_SETS=${n})
 endif()
+set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/scalar/instruction_set.cpp PROPERTIES COMPILE_DEFINITIONS "${of_sets}")
 
 # The order of instructions suits the first processors with a set: with GCC's generic order, forward dynamics
 # takes a fifth longer on later processors, too.
@@ -68,7 +81,7 @@ function(axode_choose_at_load library group list)
   set(${list} ${${list}} PARENT_SCOPE)
   set(folder ${PROJECT_BINARY_DIR}/instruction_sets)
   set(files)
-  foreach(set x86-64 x86-64-v3 x86-64-v4)
+  foreach(set IN LISTS axode_sets)
     get_property(in_set GLOBAL PROPERTY axode_objects_of_${group}_for_${set})
     list(TRANSFORM in_set REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>")
     list(APPEND files ${in_set})
@@ -79,7 +92,7 @@ function(axode_choose_at_load library group list)
   add_custom_command(
     OUTPUT ${joined}
     COMMAND ${CMAKE_COMMAND} -Dgroup=${group} -Dfolder=${folder} -Dcompiler=${CMAKE_CXX_COMPILER} -Dld=${AXODE_LD}
-            -Dobjcopy=${CMAKE_OBJCOPY} -Dreadelf=${CMAKE_READELF} -P ${script}
+            -Dobjcopy=${CMAKE_OBJCOPY} -Dreadelf=${CMAKE_READELF} "-Dsets=${axode_sets}" -P ${script}
     DEPENDS ${files} ${script}
     COMMENT "Joining the code of ${group} for all instruction sets"
     VERBATIM)

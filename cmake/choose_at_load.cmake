@@ -1,9 +1,8 @@
 # Joins the objects of a group that are compiled for several
 # instruction sets, see axode_instruction_sets.cmake:
-#   cmake -Dgroup=... -Dfolder=... -Dcompiler=... -Dld=... -Dobjcopy=... -Dreadelf=... -P choose_at_load.cmake
+#   cmake -Dgroup=... -Dfolder=... -Dcompiler=... -Dld=... -Dobjcopy=... -Dreadelf=... -Dsets=... -P choose_at_load.cmake
 # reads the names of the objects for each set from <folder>/<group>_<set>.txt and writes <folder>/<group>.o.
 cmake_minimum_required(VERSION 3.25)
-set(sets x86-64 x86-64-v3 x86-64-v4)
 
 function(run)
   execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)

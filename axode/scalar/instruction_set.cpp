@@ -9,11 +9,13 @@ namespace axode {
 namespace {
 
 #ifdef AXODE_ONLY_SET
+constexpr std::size_t compiled = 1;
 constexpr const char* names[]{AXODE_ONLY_SET};
 constexpr char all_names[] = AXODE_ONLY_SET ", for which this library is compiled";
 
 bool processor_has(std::size_t) { return true; }
 #else
+constexpr std::size_t compiled = AXODE_SETS;
 constexpr const char* names[]{"x86-64", "x86-64-v3", "x86-64-v4"};
 constexpr const char all_names[] = "x86-64, x86-64-v3 or x86-64-v4";
 
@@ -29,10 +31,11 @@ bool processor_has(std::size_t set) {
 }
 #endif
 
-/// The chosen instruction set. `set` is its index in the list `names`, which begins with the smallest set.
+/// The chosen instruction set. `set` is its index in the list `names`, which begins with the smallest set; the
+/// library has code for the first `compiled` of them.
 /// `fault` says why AXODE_INSTRUCTION_SET was not used; it is empty if the variable was used or is not set.
 struct Choice {
-  std::size_t set = std::size(names) - 1;
+  std::size_t set = compiled - 1;
   std::string fault;
 };
 
@@ -45,6 +48,8 @@ Choice choose() {
   for (std::size_t set = 0; set < std::size(names); ++set) {
     if (names[set] != std::string(wanted)) continue;
     if (set <= best.set) return {set, ""};
+    if (processor_has(set))
+      return {best.set, message + "this library has no code for it, but for " + names[best.set]};
     return {best.set,
             message + "this processor does not have it, the best set that it has is " + names[best.set]};
   }
