@@ -89,14 +89,14 @@ build/venv/ready: pyproject.toml | deps
 
 # The other packages that the tests need, which are ten times as large.
 build/venv/tests: tests/peers/requirements.txt tests/python/requirements.txt | build/venv/ready
-	build/venv/bin/python -m pip install --quiet $(foreach file,$^,-r $(file))
+	build/venv/bin/python -m pip install --quiet --no-compile $(foreach file,$^,-r $(file))
 	touch $@
 
 # The package that a bridge connects to is installed in addition to the environment of the tests.
 build/bridges/%/ready: tests/bridges/%/requirements.txt build/venv/tests
 	python3 -m venv build/bridges/$*
 	echo $(CURDIR)/build/venv/lib/python3*/site-packages > $$(echo build/bridges/$*/lib/python3*/site-packages)/tests.pth
-	build/bridges/$*/bin/python -m pip install --quiet -r $<
+	build/bridges/$*/bin/python -m pip install --quiet --no-compile -r $<
 	touch $@
 
 clean: ## Remove everything that was built

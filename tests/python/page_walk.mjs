@@ -53,17 +53,17 @@ async function drawnPixels() {
   return count;
 }
 
+const page = await browser.newPage({ viewport: { width: 480, height: 240 } });
+page.setDefaultTimeout(120000);
+let said;
+page.on("console", (message) => ["error", "warning"].includes(message.type()) && said.push(message.text()));
+page.on("pageerror", (error) => said.push(String(error)));
 for await (const line of createInterface({ input: process.stdin })) {
-  const page = await browser.newPage({ viewport: { width: 480, height: 240 } });
-  page.setDefaultTimeout(120000);
-  const said = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && said.push(message.text()));
-  page.on("pageerror", (error) => said.push(String(error)));
+  said = [];
   await page.goto(line);
   await page.waitForSelector("#canvas[data-ready]");
   const pixels = await page.evaluate(drawnPixels);
   const moved = await page.evaluate(moveSliders);
   console.log(JSON.stringify({ ...moved, pixels, said }));
-  await page.close();
 }
 await browser.close();
