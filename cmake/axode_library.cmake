@@ -287,6 +287,18 @@ target_link_libraries(axode_files PRIVATE tinyxml2::tinyxml2)
 axode_add_group(axode_io io)
 target_link_libraries(axode_io PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode> PRIVATE tinyxml2::tinyxml2)
 
+# The readers and the first part of the library, in double and for x86-64 only: the
+# demo and the tests of models and files need no more, and do not wait for the rest.
+add_library(axode_first_part STATIC EXCLUDE_FROM_ALL)
+target_compile_features(axode_first_part PUBLIC cxx_std_20)
+target_include_directories(axode_first_part PUBLIC ${PROJECT_SOURCE_DIR})
+target_link_libraries(axode_first_part PUBLIC Eigen3::Eigen tinyxml2::tinyxml2)
+get_property(first_part GLOBAL PROPERTY axode_objects_of_to_dynamics_double)
+foreach(objects IN ITEMS axode_files ${first_part})
+  target_sources(axode_first_part PRIVATE $<TARGET_OBJECTS:${objects}>)
+endforeach()
+set_target_properties(axode_first_part PROPERTIES LINKER_LANGUAGE CXX)
+
 find_package(nlohmann_json REQUIRED)
 find_package(Qhull REQUIRED)
 axode_add_library(axode_view view)

@@ -33,11 +33,8 @@ class Stage(NamedTuple):
     environment: dict = {}
 
 
-FEW_TREES = {"AXODE_RANDOM_TREES": "20"}
-LONG = "LargeTrees*:*MemoryOfCouplings*:LongChains*:HostileDescriptions.OnesWithMuch*:*OfManyUnknownLeaders*:*ManyJointsInAnyOrder*" \
-       ":WhatFunctionsCount*:*UnitsLaw*:UnitsOfLoops*:InstructionSets*:*NotFiniteIsSaid*"
 RELEASE = Stage("release", others="Examples|Guards|Package|Peers|Viewer")
-ASAN = Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES)
+ASAN = Stage("asan")
 NIGHTLY = {
     "clang": Stage("clang", others="Examples|Guards"),
     "asan-all": Stage("asan-all", others="Examples", environment={"AXODE_RANDOM_TREES": "30"}),
