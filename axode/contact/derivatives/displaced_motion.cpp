@@ -82,16 +82,17 @@ void DisplacedMotion::run(const double* q, const double* v, const Changes& dq, c
     const std::size_t k = static_cast<std::size_t>(i);
     const int p = topology.parent[i];
     poses_[k] = spatial_->pose(i);
-    auto xi = xi_.middleRows<6>(6 * i), dV = dV_.middleRows<6>(6 * i);
     Twist<Spatial> Sv{};
+    spatial_->each_screw(i, [&](int c, const Twist<Spatial>& S) { Sv += v[c] * S; });
+    V_[k] = V_[static_cast<std::size_t>(p)] + Sv;
+    if (dq.cols() == 0) continue;
+    auto xi = xi_.middleRows<6>(6 * i), dV = dV_.middleRows<6>(6 * i);
     xi += xi_.middleRows<6>(6 * p);
     dV = dV_.middleRows<6>(6 * p);
     spatial_->each_screw(i, [&](int c, const Twist<Spatial>& S) {
-      Sv += v[c] * S;
       xi += to_eigen(S) * dq.row(c);
       dV += to_eigen(S) * dv.row(c);
     });
-    V_[k] = V_[static_cast<std::size_t>(p)] + Sv;
     dV -= ad_matrix(screw(Sv)) * xi;
   }
 }
