@@ -31,9 +31,9 @@ bool processor_has(std::size_t set) {
 }
 #endif
 
-/// The chosen instruction set. `set` is its index in the list `names`, which begins with the smallest set; the
-/// library has code for the first `compiled` of them.
-/// `fault` says why AXODE_INSTRUCTION_SET was not used; it is empty if the variable was used or is not set.
+/// The chosen instruction set. `set` is its index in the list `names`, which begins with the smallest set;
+/// the library has code for the first `compiled` of them. `fault` says why AXODE_INSTRUCTION_SET was not
+/// used; it is empty if the variable was used or is not set.
 struct Choice {
   std::size_t set = compiled - 1;
   std::string fault;

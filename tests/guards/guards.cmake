@@ -15,8 +15,9 @@ set_tests_properties(Guards.IncludeFloors Guards.CleanTree Guards.Kinds Guards.V
 
 # Code for one instruction set stays out of programs that run without it.
 if(AXODE_INSTRUCTION_SETS AND NOT BUILD_SHARED_LIBS)
+  list(JOIN axode_sets , sets)
   add_test(NAME Guards.InstructionSets
-           COMMAND ${AXODE_PYTHON} ${guards}/instruction_sets.py ${CMAKE_NM} ${CMAKE_OBJDUMP}
+           COMMAND ${AXODE_PYTHON} ${guards}/instruction_sets.py ${CMAKE_NM} ${CMAKE_OBJDUMP} ${sets}
                    ${PROJECT_BINARY_DIR}/instruction_sets $<TARGET_FILE:axode_core> $<TARGET_FILE:axode_batch>)
   set_tests_properties(Guards.InstructionSets PROPERTIES LABELS guards)
 endif()

@@ -1,7 +1,8 @@
 """Code for one instruction set stays out of programs that run without it:
-instruction_sets.py NM OBJDUMP FOLDER ARCHIVE...
+instruction_sets.py NM OBJDUMP SETS FOLDER ARCHIVE...
 
-FOLDER has the objects that cmake/choose_at_load.cmake writes, and the archives contain these objects among others.
+SETS are those of the library, such as x86-64,x86-64-v3. FOLDER has the objects that cmake/choose_at_load.cmake
+writes, and the archives contain these objects among others.
 """
 
 import re
@@ -10,7 +11,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-SMALLEST, LARGEST = "x86-64", "x86-64-v4"
 OF_REGISTERS = re.compile(r"6packed|5BatchI")  # types whose values are passed in registers of a set
 WIDE = re.compile(r"\t(v[a-z0-9]+|andn|bextr|blsi|blsr|blsmsk|bzhi|mulx|pdep|pext|rorx|sarx|shlx|shrx)\s")
 SYSTEM = re.compile(r"\tver[rw]\b")
@@ -29,14 +29,12 @@ def weak_references(nm, file):
     return [line.split()[0] for line in listing.splitlines() if line.split()[1] in "wv"]
 
 
-def visible_faults(nm, folder, group):
+def visible_faults(nm, folder, group, sets):
     found = []
-    for file in folder.glob(f"{group}_{SMALLEST}*.o"):
-        name = file.stem.removeprefix(f"{group}_")
-        if not re.fullmatch(r"x86-64(-v\d)?", name):  # a part of the object
-            continue
+    for name in sets:
+        file = folder / f"{group}_{name}.o"
         allowed = {re.sub(r"\W", "_", f"axode_entries_of_{group}_{name}")}
-        if name == SMALLEST:
+        if name == sets[0]:
             allowed.add(f"axode_chosen_entries_of_{group}")
         found += [f"{file}: {symbol} is visible" for symbol in sorted(visible(nm, file).keys() ^ allowed)]
     entries = set((folder / f"{group}_entries.txt").read_text().split())
@@ -61,17 +59,16 @@ def wide_instructions(objdump, file):
 
 
 def main():
-    nm, objdump, folder, *archives = sys.argv[1:]
-    folder = Path(folder)
+    nm, objdump, sets, folder, *archives = sys.argv[1:]
+    sets, folder = sets.split(","), Path(folder)
     groups = sorted(file.name.removesuffix("_entries.txt") for file in folder.glob("*_entries.txt"))
     if len(groups) != 3:
         sys.exit(f"expected the groups of double, in two parts, and of batches, found {groups}")
-    found = [fault for group in groups for fault in visible_faults(nm, folder, group)]
-    for_largest = folder / f"batch_{LARGEST}.o"  # unless this processor does not have it
-    if for_largest.exists() and not wide_instructions(objdump, for_largest):
-        sys.exit("found no instruction of AVX-512 in the code for it")
+    found = [fault for group in groups for fault in visible_faults(nm, folder, group, sets)]
+    if len(sets) > 1 and not wide_instructions(objdump, folder / f"batch_{sets[-1]}.o"):
+        sys.exit(f"found no instruction of {sets[-1]} in the code for it")
     for group in groups:
-        found += wide_instructions(objdump, folder / f"{group}_{SMALLEST}.o")
+        found += wide_instructions(objdump, folder / f"{group}_{sets[0]}.o")
     with tempfile.TemporaryDirectory() as rest:
         for archive in archives:
             copy = Path(rest, Path(archive).name)
