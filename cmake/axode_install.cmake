@@ -12,6 +12,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/axode DESTINATION ${CMAKE_INSTALL_INCLUD
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(TARGET axode_command)
   install(TARGETS axode_command)
+  install(PROGRAMS $<TARGET_FILE:axode_study> TYPE BIN OPTIONAL)  # where it was built
   if(TARGET axode_fmu)
     install(TARGETS axode_fmu DESTINATION lib/axode)
   endif()

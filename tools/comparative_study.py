@@ -3,18 +3,21 @@
     tools/comparative_study.py build/release/axode                              # prints the tables
     tools/comparative_study.py build/release/axode docs/comparative-study.md
     tools/comparative_study.py build/release/axode docs/comparative-study.md --counts
+    tools/comparative_study.py build/release/axode docs/comparative-study.md --check
     tools/comparative_study.py build/release/axode docs/comparative-study.md --second-processor
 
 The numbers are those of `axode study` for chains of hinges, and for the arm and the humanoid of examples/robots. The
 second line also draws the plot beside the page. Times need a machine that does nothing else; the third line writes
-only the tables without times. The fourth line, on a machine of another kind, writes only the table that compares its
-times with those of the page.
+only the tables without times. The fourth line writes nothing, and exits with 1 if the page has other counts. The fifth
+line, on a machine of another kind, writes only the table that compares its times with those of the page. `make build`
+builds the command with what the study needs.
 """
 
 import argparse
 import datetime
 import json
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -194,6 +197,19 @@ def timed(command, folder):
     return parts
 
 
+def other_counts(command, folder, page):
+    """The names of the parts of the page that have other counts than the command."""
+    others = [name for name, text in counted(command, folder).items() if Page(page).text(name) != text]
+    rows = efforts(studied(command, {"arm7": SOURCE / "examples/robots/arm7.toml"}, "--counts"))
+    column = MODELS.index("arm7") + 2
+    for algorithm in ALGORITHMS:
+        cells = [line.split("|")[1 + column].split("·")[0] for line in Page(page).text(algorithm).splitlines()[2:]]
+        counts = [operations(row) for key, row in rows.items() if key[1] == algorithm]
+        if [int(cell.replace(",", "")) for cell in cells] != counts:
+            others.append(algorithm)
+    return others
+
+
 def times_of_page(page, algorithm):
     """The microseconds in the table of an algorithm, as {(model, frames, representation): time}."""
     found, last = {}, ""
@@ -233,6 +249,7 @@ def main():
     parser.add_argument("command", type=Path, help="the command axode, of a release build")
     parser.add_argument("page", type=Path, nargs="?", help="the page to refresh, docs/comparative-study.md")
     parser.add_argument("--counts", action="store_true", help="only the tables without times")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 if the page has other counts")
     parser.add_argument("--second-processor", action="store_true",
                         help="only the table that compares the times of this machine with those of the page")
     arguments = parser.parse_args()
@@ -244,6 +261,12 @@ def main():
             text = second_processor(command, Path(folder), arguments.page)
         Page(arguments.page).part("second processor", text)
         return
+    if arguments.check:
+        if not arguments.page:
+            parser.error("--check needs the page")
+        with tempfile.TemporaryDirectory() as folder:
+            others = other_counts(command, Path(folder), arguments.page)
+        sys.exit(f"{arguments.page} has other counts in {', '.join(others)}" if others else 0)
     with tempfile.TemporaryDirectory() as folder:
         parts = counted(command, Path(folder)) | rounding(command, Path(folder)) | drift(command, Path(folder))
         if not arguments.counts:

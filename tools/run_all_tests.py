@@ -36,7 +36,7 @@ class Stage(NamedTuple):
 RELEASE = Stage("release", others="Examples|Guards|Package|Peers|Viewer")
 ASAN = Stage("asan")
 NIGHTLY = {
-    "clang": Stage("clang", others="Examples|Guards"),
+    "clang": Stage("clang", others="Examples|Guards|Page"),
     "asan-all": Stage("asan-all", others="Examples", environment={"AXODE_RANDOM_TREES": "30"}),
     "tsan": Stage("tsan", programs="*Threads*:*ManyStates*",
                   environment={"AXODE_RANDOM_TREES": "3",  # it makes calls a hundred times as long

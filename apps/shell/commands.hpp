@@ -48,7 +48,8 @@ void add_view(CLI::App& app, int& exit_code);
 void add_map(CLI::App& app);
 void add_codegen(CLI::App& app, int& exit_code);
 void add_fmu(CLI::App& app, int& exit_code);
-void add_study(CLI::App& app, int& exit_code);
+/// Adds the command `study`. `argv` are the words of the command line, and a null pointer.
+void add_study(CLI::App& app, char** argv, int& exit_code);
 void add_demo(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 void add_manual(CLI::App& app, int& exit_code);

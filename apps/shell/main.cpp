@@ -102,7 +102,7 @@ int run(int argc, char** argv) {
   add_map(app);
   add_codegen(app, exit_code);
   add_fmu(app, exit_code);
-  add_study(app, exit_code);
+  add_study(app, argv, exit_code);
   add_demo(app, exit_code);
   for (CLI::App* command : app.get_subcommands({}))
     command->parse_complete_callback([command] { refuse_empty_words(*command); });

@@ -1,14 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tinyxml2.h>
 
 #include <algorithm>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 
 #include "tests/apps/run_command.hpp"
+#include "tests/apps/texts_of_svg.hpp"
 
 /// Pictures of motions, sweeps, poles and costs, and the sweeps of `axode eval`.
 namespace axode::test {
@@ -24,27 +23,6 @@ using testing::StartsWith;
 
 const std::string two_bars = robot("double_pendulum.toml");
 const std::string lifted = R"({"q": {"pin": 2, "elbow": 0.5}, "v": [0.1, 0.2]})";
-
-/// The texts of an SVG file; none if the file is not well-formed.
-std::vector<std::string> texts_of(const std::string& file) {
-  tinyxml2::XMLDocument document(true, tinyxml2::PRESERVE_WHITESPACE);
-  EXPECT_EQ(document.LoadFile(file.c_str()), tinyxml2::XML_SUCCESS) << file;
-  std::vector<std::string> texts;
-  const std::function<void(const tinyxml2::XMLElement*)> walk = [&](const tinyxml2::XMLElement* element) {
-    for (; element != nullptr; element = element->NextSiblingElement()) {
-      if (std::string_view(element->Name()) == "text") {
-        std::string text;
-        for (const auto* part = element->FirstChildElement(); part != nullptr;
-             part = part->NextSiblingElement())
-          text += part->GetText() == nullptr ? "" : part->GetText();
-        texts.push_back(text.empty() && element->GetText() != nullptr ? element->GetText() : text);
-      }
-      walk(element->FirstChildElement());
-    }
-  };
-  walk(document.RootElement());
-  return texts;
-}
 
 TEST(Plot, OfAMotionHasCoordinatesVelocitiesForcesAndEnergies) {
   const TemporaryFolder folder;
@@ -199,18 +177,6 @@ TEST(Plot, OfALinearSystemHasItsPolesAndFrequencies) {
       0);
   EXPECT_THAT(texts_of(file), Contains("double pendulum: unstable"));
   EXPECT_THAT(texts_of(file), Contains("grows"));
-}
-
-TEST(Plot, OfAStudyHasEveryAlgorithm) {
-  const TemporaryFolder folder;
-  const std::string file = folder.file("study.svg");
-  ASSERT_EQ(axode({"study", two_bars, "--plot", file}).code, 0);
-  for (const char* algorithm : {"inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix",
-                                "accelerations", "momentum_form"})
-    EXPECT_THAT(texts_of(file), Contains("double pendulum: " + std::string(algorithm)));
-  for (const char* said :
-       {"µs", "body", "spatial", "hybrid", "mixed", "fast", "operations", "joint", "constr."})
-    EXPECT_THAT(texts_of(file), Contains(said));
 }
 
 TEST(Plot, NeedsGnuplotBeforeAnythingIsComputed) {

@@ -143,9 +143,24 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
 }
 INSTANTIATE_TEST_SUITE_P(Commands, Help,
                          testing::Values("info", "check", "convert", "eval", "linearize", "simulate",
-                                         "contacts", "plot", "view", "codegen", "fmu", "study", "demo",
-                                         "completion", "manual"),
+                                         "contacts", "plot", "view", "codegen", "fmu", "demo", "completion",
+                                         "manual"),
                          [](const auto& p) { return std::string(p.param); });
+
+TEST(Study, IsAProgramBesideTheCommand) {
+  const TemporaryFolder folder;
+  const std::string command = folder.file("axode"), study = folder.file("axode_study");
+  std::filesystem::copy(AXODE_COMMAND, command);
+  const Outcome without = run({command, "study", robot("arm7.toml")});
+  EXPECT_EQ(without.code, 1);
+  EXPECT_EQ(without.err, "axode study: " + study +
+                             " cannot be run: No such file or directory; `make build` in the source tree of "
+                             "axode builds it beside the command\n");
+  folder.write("axode_study", "#!/bin/sh\nprintf '%s\\n' \"$@\"\n");
+  std::filesystem::permissions(study, std::filesystem::perms::owner_all);
+  EXPECT_EQ(run({command, "study", robot("arm7.toml"), "--counts"}).out,
+            "study\n" + robot("arm7.toml") + "\n--counts\n");
+}
 
 // ----------------------------------------------------------------------------------------------------- map
 
@@ -335,9 +350,11 @@ TEST(Doubts, AreWarningsForEveryCommandAndErrorsWithStrict) {
   const char* doubt = "body \"a\": no density can produce its inertia";
   ASSERT_EQ(axode({"convert", urdf, drawing}).code, 0);
   for (const std::string& file : {urdf, drawing}) {
-    const std::vector<std::vector<std::string>> commands{
-        {"info", file}, {"check", file},   {"convert", file, out, "--force"},
-        {"eval", file}, {"codegen", file}, {"study", file}};
+    const std::vector<std::vector<std::string>> commands{{"info", file},
+                                                         {"check", file},
+                                                         {"convert", file, out, "--force"},
+                                                         {"eval", file},
+                                                         {"codegen", file}};
     for (std::vector<std::string> words : commands) {
       const Outcome lenient = axode(words);
       EXPECT_EQ(lenient.code, 0) << words[0] << lenient.err;

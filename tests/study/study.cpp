@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "tests/apps/run_command.hpp"
+#include "tests/apps/texts_of_svg.hpp"
 
 /// The output of `axode study`: its printed table, its file and its chart show the same numbers for every
 /// algorithm, representation and choice of frames.
@@ -15,6 +16,7 @@ namespace axode::test {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -167,6 +169,31 @@ TEST(Study, KeepsJointsOnTheGroundClosedOnSE3WithoutProjection) {
   const double order =
       std::log2(double(drift[0]["SO3xR3"]["all_joints"]) / double(drift[1]["SO3xR3"]["all_joints"]));
   EXPECT_NEAR(order, 4, 0.5);
+}
+
+TEST(Study, IsDrawnWithEveryAlgorithmByTheExampleOfTheHelp) {
+  const std::string example = "axode study double_pendulum.toml --csv study.csv --plot study.svg";
+  EXPECT_THAT(axode({"study", "--help"}).out, HasSubstr("Example:\n  " + example + "\n\n"));
+  const TemporaryFolder folder;
+  std::filesystem::copy(robot("double_pendulum.toml"), folder.path());
+  const std::string in_folder = "cd \"$0\" && axode() { \"" AXODE_COMMAND "\" \"$@\"; } && ";
+  const Outcome outcome = run({"sh", "-c", in_folder + example, folder.path().string()});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const std::vector<std::string> texts = texts_of(folder.file("study.svg"));
+  for (const auto& [algorithm, rows] : rows_of) EXPECT_THAT(texts, Contains("double pendulum: " + algorithm));
+  for (const char* said :
+       {"µs", "body", "spatial", "hybrid", "mixed", "fast", "operations", "joint", "constr."})
+    EXPECT_THAT(texts, Contains(said));
+}
+
+TEST(Study, IntoNoFolderIsRefused) {
+  const Outcome outcome = axode({"study", robot("double_pendulum.toml"), "--csv", "nowhere/study.csv"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err,
+            "axode study: nowhere/study.csv: the file cannot be written: no file can be made in nowhere: "
+            "No such file or directory\n");
 }
 
 TEST(Study, SetsTheBaseFree) {
