@@ -176,6 +176,18 @@ TEST_P(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
     Trial trial(GetParam(), drawn);
     const Correspondence same(model, other, renamed);
     Trial other_trial(GetParam(), other, same.carry(trial.state));
+    const auto refuses = [](Trial& t) {
+      try {
+        static_cast<void>(t.inverse_dynamics());
+        return false;
+      } catch (const std::invalid_argument&) {  // in a closed mechanism the drives may be too few
+        return true;
+      }
+    };
+    if (loops && refuses(trial)) {
+      EXPECT_TRUE(refuses(other_trial));
+      return;
+    }
     const auto [tau, tau_other] = same.common(trial.inverse_dynamics(), other_trial.inverse_dynamics());
     EXPECT_EQ(static_cast<int>(tau.size()), model.nv());
     const double size = terms_far_away(trial, recipe.far);

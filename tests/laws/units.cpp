@@ -240,6 +240,10 @@ TEST_P(UnitsLaw, MultiplyEveryNumberByTheUnitOfItsRow) {
         const Dimensions dimensions = UnitsOf<T>(row, model, ask.loads.wrenches.size()).of_all(x.size());
         for (std::size_t k = 0; k < x.size(); ++k) {
           if (std::isnan(x[k]) && std::isnan(y[k])) continue;
+          const auto has_fewer_digits = [](double z) {
+            return std::fpclassify(static_cast<T>(z)) == FP_SUBNORMAL;
+          };
+          if (has_fewer_digits(x[k]) || has_fewer_digits(y[k])) continue;
           ASSERT_EQ(y[k], x[k] * units(dimensions[k]))
               << "number " << k << ": " << y[k] / x[k] << " and not L^" << dimensions[k].length << " M^"
               << dimensions[k].mass << " T^" << dimensions[k].time << " of " << row.units;
