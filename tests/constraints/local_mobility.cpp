@@ -260,6 +260,23 @@ TEST(LocalMobility, CountsCouplingsAndLeavesOutOtherJoints) {
   EXPECT_NEAR(found.branches[0].T(0, 0), 2 / std::sqrt(5.0), 1e-14);
 }
 
+/// The axes of a spherical mechanism meet in a point, whose coordinates are known but for rounding errors. The
+/// distances of these points are no lengths of the mechanism.
+TEST(LocalMobility, TakesPointsThatDifferByRoundingForOne) {
+  for (const Vec3<>& center : {Vec3<>{}, Vec3<>{0.1, -0.2, 0.3}, Vec3<>{1e3, 0, 0}}) {
+    const double rounding = 2e-16 * (0.1 + norm(center));
+    const auto meet = [&](const Vec3<>& axis, const Vec3<>& off) {
+      return pin(center + rounding * off, axis);
+    };
+    const LocalMobility found =
+        found_at_zero(ring_of({meet({0, 0, 1}, {1, 0, 0}), meet({0, 0.2, 1}, {0, 1, 0}),
+                               meet({0.7, 0.4, 1}, {0, 0, 1}), meet({0.8, -0.1, 1}, {-1, 0, 0})}));
+    EXPECT_EQ(found.length, 1);
+    EXPECT_EQ(found.rank, 3);
+    EXPECT_EQ(found.local_mobility, 1);
+  }
+}
+
 TEST(LocalMobility, SaysThatTooFewOrdersDoNotSettle) {
   const Model model = watt_slider({.5, .5, 1, 1}).model();
   const LocalMobility found = local_mobility(model, neutral(model), {.order = 4});

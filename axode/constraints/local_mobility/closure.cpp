@@ -19,14 +19,16 @@ constexpr double negligible_share = 1e-6;
 /// The least ratio between a given characteristic length and the mean distance of joints, and its inverse.
 constexpr double least_ratio = 1e-6;
 
-/// The points without duplicates.
+/// The points without duplicates. Points are the same if their distance is a rounding error of places, or
+/// small against their distance from the first point.
 std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) {
-  constexpr double same = 1e-9;  // tolerance relative to the distance from the first point
+  constexpr double same = 1e-9, of_places = 1e-14, least = 1e-15;  // least: m, for points at the origin
   std::vector<Vec3<>> out;
-  for (const Vec3<>& point : points)
-    if (std::ranges::none_of(
-            out, [&](const Vec3<>& other) { return norm(point - other) <= same * norm(point - points[0]); }))
+  for (const Vec3<>& point : points) {
+    const double near = std::max({same * norm(point - points[0]), of_places * norm(point), least});
+    if (std::ranges::none_of(out, [&](const Vec3<>& other) { return norm(point - other) <= near; }))
       out.push_back(point);
+  }
   return out;
 }
 
