@@ -28,7 +28,8 @@ inline LoopDescription random_loop(Random<double>& random, LoopKind kind,
   if (traits(kind).has("wheel_axis") && chance(0.5)) loop.wheel_axis = random.direction();
   const bool with_frames = chance(0.4);
   if (with_frames) loop.frames = {random.pose(), random.pose()};
-  if (with_frames && chance(0.3)) loop.frames.emplace();
+  // The frames of two bodies may be parallel in all configurations, so that a wheel would lie flat.
+  if (with_frames && chance(0.3) && !loop.wheel_axis) loop.frames.emplace();
   const bool sized = with_frames || chance(0.3);
   if (traits(kind).has("length") && sized) loop.length = random.number(0.1, 2);
   if (traits(kind).has("radius") && sized) loop.radius = random.number(0.1, 2);
