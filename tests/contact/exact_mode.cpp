@@ -415,6 +415,59 @@ TEST(ExactContact, LoopsMoveAsWithoutContact) {
   EXPECT_GE(loops, 3);
 }
 
+/// A box that slides and spins on four points, whose shares of the load decide its motion.
+TEST(ExactContact, PointsShareALoadAsEqualSpringsDoWhileTheySlideInDifferentDirections) {
+  const auto box = [](double friction, const ContactProperties& side) {
+    Scene scene({.friction = friction});
+    scene.add("box", ShapeKind::box, 0.1, side);
+    return scene.build();
+  };
+  for (const double friction : {0.3, 0.45, 0.6}) {
+    const Model rigid = box(friction, {.friction = friction});
+    constexpr double stiffness = 1e5;
+    const Model soft =
+        box(friction, {.friction = friction, .stiffness = stiffness, .exponent = 1, .damping = 20});
+    const std::vector<double> v{0, 0, 6, 1.5, 0.3, 0};
+    const Trajectory motion = simulate_contact_exact(rigid, at({0, 0, 0.1}), v, 0.3, tight);
+    expect_lawful(motion);
+    std::vector<double> pressed = at({0, 0, 0.1});
+    const double weight = rigid.body(1).M.m * norm(rigid.gravity());
+    pressed[6] -= weight / (4 * stiffness);
+    const Trajectory on_springs = simulate_contact(soft, pressed, v, 0.3, 1e-4);
+    ASSERT_TRUE(on_springs.complete) << on_springs.stop_reason;
+    const std::vector<double> apart = difference(rigid, last(motion, false), last(on_springs, false));
+    for (const double d : apart) EXPECT_NEAR(d, 0, 1e-4);
+    EXPECT_GT(last(motion, false)[2], 0.1);  // it has turned
+  }
+}
+
+/// A box under forces above its centre that turn while it slides, stops and begins to slide.
+TEST(ExactContact, ABoxUnderForcesThatTurnMovesToTheEnd) {
+  Scene scene({.friction = 0.4});
+  const Model model = scene.add("box", ShapeKind::box, 0.1, {.friction = 0.4}).build();
+  std::size_t events = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Random<double> random(seed);
+    std::array<std::array<double, 3>, 6> waves;
+    for (std::array<double, 3>& it : waves)
+      it = {random.number(0.5, 3), random.number(1, 12), random.number(0, 6)};
+    const double m = model.body(1).M.m;
+    SimulationOptions options;
+    options.drive = [&](double t, std::span<const double>, std::span<const double>, std::span<double> tau) {
+      std::array<double, 2> f{};
+      for (std::size_t k = 0; k < waves.size(); ++k)
+        f[k % 2] += m * waves[k][0] * std::sin(waves[k][1] * t + waves[k][2]);
+      const std::array<double, 6> wrench{-0.05 * f[1], 0.05 * f[0], 0, f[0], f[1], 0};
+      std::ranges::copy(wrench, tau.begin());
+    };
+    const Trajectory motion = simulate_contact_exact(model, at({0, 0, 0.1}), std::vector<double>(6), 1,
+                                                     {.relative = 1e-8, .absolute = 1e-8}, options);
+    expect_lawful(motion);
+    events += motion.contact_events.size();
+  }
+  EXPECT_GE(events, 20U);
+}
+
 /// Two supports share a load in any way; of all ways the even one has the largest reserve.
 TEST(CentralLoad, SharesALoadEvenly) {
   std::vector<LoadCondition> conditions(2);

@@ -243,6 +243,7 @@ std::string ContactPhase::accelerate(const Vector& q, const Vector& v, const For
   x_ = w;
   loads_.resize(m);
   free_loads_.resize(m, 0);
+  loads_move_ = false;
   if (m > 0) {
     const Matrix G = R.transpose() * C;
     const Matrix inverse = least_squares(G, Matrix::Identity(m, m), rounding);
@@ -256,28 +257,20 @@ std::string ContactPhase::accelerate(const Vector& q, const Vector& v, const For
     const auto redundant = static_cast<Eigen::Index>(std::lround(left.trace()));
     if (redundant > 0) {
       const Matrix Q = Eigen::ColPivHouseholderQR<Matrix>(left).householderQ();
-      free_loads_ = Q.leftCols(redundant);
-      // Directions of sliding are known to the resolution of velocities over the sliding velocity.
-      double unknown = 0;
-      for (std::size_t k = 0; k < closed.size(); ++k)
-        if (closed[k].law == ContactLaw::contact && std::isfinite(speeds_[k]) && speeds_[k] > 0)
-          unknown = std::max(unknown, resolution / speeds_[k]);
-      if (!((C * free_loads_).norm() <= consistent + unknown))
-        return "several contacts share a load while they slide, and the laws do not say how" +
-               std::string(instead);
-      free_loads_ = weights_.cwiseInverse().asDiagonal() * free_loads_;
+      free_loads_ = weights_.cwiseInverse().asDiagonal() * Q.leftCols(redundant);
+      loads_move_ = (C * Q.leftCols(redundant)).norm() > consistent;
     }
-    x_ += C * loads;
     loads_ = loads.cwiseQuotient(weights_);
+    if (loads_move_) share_loads();
+    x_ += C * weights_.cwiseProduct(loads_);
   }
   system_.push(x_.data(), a.data());
   return {};
 }
 
-double ContactPhase::reserve() {
+std::vector<LoadCondition> ContactPhase::load_conditions() const {
   std::vector<LoadCondition> conditions;
-  const auto m = static_cast<Eigen::Index>(active_.size());
-  for (Eigen::Index j = 0; j < m; ++j) {
+  for (Eigen::Index j = 0; j < loads_.size(); ++j) {
     const Active& it = active_[index(j)];
     if (it.constraint == closed.size()) continue;
     const ClosedConstraint& c = closed[it.constraint];
@@ -293,9 +286,43 @@ double ContactPhase::reserve() {
     cone.factors.conservativeResize(static_cast<Eigen::Index>(cone.tangent.size()));
     cone.factors[cone.factors.size() - 1] = 1 / c_[index(it.row)];
   }
+  return conditions;
+}
+
+void ContactPhase::share_loads() {
+  std::vector<Eigen::Index> normal;  // of contacts, among the loads
+  for (Eigen::Index j = 0; j < loads_.size(); ++j)
+    if (const Active& it = active_[index(j)];
+        it.constraint < contacts_.size() && it.row == row_of(it.constraint))
+      normal.push_back(j);
+  Matrix R(Y_.rows(), std::ssize(normal));
+  for (std::size_t k = 0; k < normal.size(); ++k)
+    R.col(static_cast<Eigen::Index>(k)) = Y_.col(active_[index(normal[k])].row);
+  Eigen::ColPivHouseholderQR<Matrix> rows(R.transpose());
+  rows.setThreshold(1e-10);
+  const Matrix Q = rows.householderQ();
+  const auto unbalanced =
+      Q.rightCols(R.cols() - rows.rank()).transpose();  // of loads that no compression has
+  const Vector apart = unbalanced * loads_(normal);
+  loads_ -= free_loads_ * least_squares(unbalanced * free_loads_(normal, Eigen::all), apart, 1e-10);
+  const std::vector<LoadCondition> conditions = load_conditions();
+  if (least_reserve(conditions, loads_) >= 0) return;
+  Vector best = loads_;
+  double low = 0, high = 1;  // parts of the way to the loads with the largest reserve, which is concave
+  if (maximise_reserve(conditions, free_loads_, w_.norm(), best) > 0)
+    for (int k = 0; k < std::numeric_limits<double>::digits; ++k) {
+      const double part = (low + high) / 2;
+      (least_reserve(conditions, loads_ + part * (best - loads_)) < 0 ? low : high) = part;
+    }
+  loads_ += high * (best - loads_);
+}
+
+double ContactPhase::reserve() {
   const double size = w_.norm() + x_.norm();
-  const double found = maximise_reserve(conditions, free_loads_, size, loads_);
-  for (Eigen::Index j = 0; j < m; ++j) {
+  Vector best = loads_;
+  const double found = maximise_reserve(load_conditions(), free_loads_, size, best);
+  if (!loads_move_) loads_ = best;
+  for (Eigen::Index j = 0; j < loads_.size(); ++j) {
     const Active& it = active_[index(j)];
     lambda_[it.row] = loads_[j];
     for (int i = 0; i < system_.contact_rows() - 1; ++i)

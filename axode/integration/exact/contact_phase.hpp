@@ -195,6 +195,12 @@ class ContactPhase {
   /// velocities u of these rows to 0. The columns of R are those of Y_ = D^-½ L⁻ᵀ Jᵀ for the rows, with the
   /// Jacobian J of all constraint rows and the mass matrix Lᵀ D L.
   Vector correction(const std::vector<int>& rows, const Vector& u) const;
+  /// The conditions for `loads_`: normal forces press, and friction is within its limits.
+  std::vector<LoadCondition> load_conditions() const;
+  /// Chooses the loads of contacts that share a load while they slide in different directions, so that the
+  /// motion depends on the choice (D11.29b). Normal forces are those of equal springs under the points. If
+  /// these violate a condition, loads are moved towards those with the largest reserve until they do not.
+  void share_loads();
   double limit_of(const ClosedConstraint& c) const;  ///< friction of a dry joint, N m or N
 
   Model model_;
@@ -211,8 +217,9 @@ class ContactPhase {
   Vector w_, u_, bias_, lambda_, x_;
   std::vector<double> slips_, speeds_;
   std::vector<Active> active_;
-  Vector loads_, weights_;  ///< forces of active_, and the motions of unit forces of their rows
-  Matrix free_loads_;       ///< basis of the loads of active_ that cause no motion
+  Vector loads_, weights_;   ///< forces of active_, and the motions of unit forces of their rows
+  Matrix free_loads_;        ///< basis of the loads of active_ that do not move the held rows
+  bool loads_move_ = false;  ///< whether free_loads_ cause motions, because friction depends on them
   double touching_ = 0, speed_ = 0;
 };
 

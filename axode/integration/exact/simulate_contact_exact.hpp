@@ -11,8 +11,9 @@ namespace axode {
 /// accelerations in a phase and for velocities in an impact; Trajectory::certificates has the relative errors
 /// of the laws. Contact forces are those at the ends of steps, without impacts. The method is meant for few
 /// contacts: a step takes O(nv³ + m³) for m scalar constraints that are closed, and every event shortens a
-/// step. If the method cannot decide the motion (a face whose points of contact change, a load that sliding
-/// contacts share, too many events), the trajectory ends and says so.
+/// step. If several contacts share a load and slide in different directions, the laws leave the motion open;
+/// it is that to which surfaces of equal stiffness converge. If the method cannot decide the motion (a face
+/// whose points of contact change, too many events), the trajectory ends and says so.
 ///
 /// Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
 /// finite, until < 0, tolerances that are negative or both 0, absolute coordinates, compliant shapes, and
