@@ -468,6 +468,58 @@ TEST(ExactContact, ABoxUnderForcesThatTurnMovesToTheEnd) {
   EXPECT_GE(events, 20U);
 }
 
+/// Bodies that are thrown land, rock and roll without end. Rocking takes infinitely many impacts in a finite
+/// time, of which the last ones are left out.
+TEST(ExactContact, BodiesThatAreThrownMoveToTheEnd) {
+  int rocked = 0;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random<double> random(seed);
+    const double friction = random.number(0, 1);
+    Scene scene({.friction = friction}, seed % 2 == 0 ? 0 : random.number(0, 0.3));
+    const ShapeKind kind =
+        std::array{ShapeKind::box, ShapeKind::box, ShapeKind::sphere, ShapeKind::capsule}[seed % 4];
+    scene.add("body", kind, 0.1, {.friction = friction, .restitution = random.number(0, 0.5)});
+    BodyDescription& body = scene.description.bodies.back();
+    body.shapes[0].size.x *= 1.5;
+    body.shapes[0].length = 0.3;
+    body.shapes[0].pose.r = {0, random.number(0, 0.05), 0};
+    const Model model = scene.build();
+    std::vector<double> q = at({0, 0, 0.5});
+    q = integrate(model, q, std::vector<double>{random.number(-2, 2), random.number(-2, 2), 1, 0, 0, 0});
+    const Trajectory motion = simulate_contact_exact(model, q, random_numbers(random, 6, 2), 1.5,
+                                                     {.relative = 1e-10, .absolute = 1e-10});
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    for (const double certificate : motion.certificates) EXPECT_LE(certificate, 1e-6);
+    double before = energy_at(model, motion, 0);
+    for (std::size_t k = 1; k < motion.size(); ++k) {
+      const double now = energy_at(model, motion, k);
+      EXPECT_LE(now, before + 1e-8) << motion.t()[k];
+      before = now;
+    }
+    rocked += std::ranges::any_of(motion.contact_events, &Trajectory::ContactEvent::shortened) ? 1 : 0;
+  }
+  EXPECT_GE(rocked, 3);
+}
+
+/// The gap of the rim of a cylinder that tumbles is no polynomial over a long step after a small bounce.
+TEST(ExactContact, AFlightThatIsShorterThanAStepIsFound) {
+  Scene scene({.friction = 0.144});
+  scene.description.shapes[0].pose.R = exp_SO3(Vec3<>{0.0691702, 0, 0});
+  scene.add("cylinder", ShapeKind::cylinder, 0.1, {.friction = 0.144, .restitution = 0.0353});
+  BodyDescription& body = scene.description.bodies.back();
+  body.shapes[0].length = 0.3;
+  body.inertia =
+      MassProperties{.mass = 1, .com = {0.0327147, 0.0420988, 0}, .Theta = {0.006, 0.007, 0.008, 0, 0, 0}};
+  const Model model = scene.build();
+  const std::vector<double> v{0, 0, 0.50769461, 0.065708775, 0.22804059, 1.96057752};
+  const Trajectory motion =
+      simulate_contact_exact(model, at({0, 0, 0.35}), v, 0.7, {.relative = 1e-9, .absolute = 1e-9});
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  for (std::size_t k = 0; k < motion.size(); ++k)
+    for (const ContactForce& at_step : motion.contacts(k)) EXPECT_GE(at_step.gap, -1e-9) << motion.t()[k];
+}
+
 /// Two supports share a load in any way; of all ways the even one has the largest reserve.
 TEST(CentralLoad, SharesALoadEvenly) {
   std::vector<LoadCondition> conditions(2);

@@ -132,6 +132,10 @@ class ContactPhase {
   std::string impact(const Vector& q, Vector& v, const IsLast& is_last, std::vector<Impact>& met,
                      double& certificate);
 
+  /// Closes open contacts and stops that touch, and moves q and v so that their velocities and those of all
+  /// closed ones are 0. Whether each of them opens, sticks or slides is not decided yet.
+  std::string close(const std::vector<Gap>& touching, Vector& q, Vector& v);
+
   /// The largest gap (m) of a contact that counts as closed: the rounding error of positions.
   double touching() const { return touching_; }
   const ContactShapes& shapes() const { return finder_.shapes(); }

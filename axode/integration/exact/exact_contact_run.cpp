@@ -17,6 +17,10 @@ constexpr double reserve_rounding = 5e-14;
 
 /// Events with a smaller distance occur together, s.
 constexpr double at_once = 5e-13;
+/// The least step that is divided, as a part of the duration of the motion.
+constexpr double shortest = 1e-11;
+/// Part of the resolution of places below which a flight is not followed.
+constexpr double unresolved_part = 0.1;
 /// The multiple of the resolution of velocities that counts as rest.
 constexpr double slow = 2;
 
@@ -180,6 +184,11 @@ Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& 
   }
   const double t_far = t_1, reserve_far = found[0];
   if (Failure failure = find_event(t_1, end, found, marks, attempt)) return failure;
+  if (t_1 - t_0 > shortest * last_ && is_beyond_a_root(found, marks.slips.size())) {
+    t_1 = t_0 + (t_1 - t_0) / 2;
+    if (Failure failure = attempt(t_1, end)) return failure;
+    return take_in_phase(t_1, end, attempt);
+  }
   if (const double t = before_turn(t_1, found, marks); t < t_1) {
     if (Failure failure = attempt(t, end)) return failure;
     if (Failure failure = accept(t, end)) return failure;
@@ -220,6 +229,14 @@ Failure ExactContactRun::find_event(double& t_1, StepEnd& end, std::vector<doubl
   at_high = search.numbers();
   end = after;
   return {};
+}
+
+/// Says whether a gap of an event is so negative that it was 0 before: predict() then expected that it closes
+/// later, because the step is too long for the course of the gap to be a polynomial.
+bool ExactContactRun::is_beyond_a_root(const std::vector<double>& found, std::size_t slips) const {
+  constexpr double several = 10;
+  return std::any_of(found.begin() + 1 + static_cast<std::ptrdiff_t>(slips), found.end(),
+                     [&](double gap) { return gap < -several * phase_.touching(); });
 }
 
 double ExactContactRun::before_turn(double t, const std::vector<double>& found, const Marks& marks) const {
@@ -331,16 +348,36 @@ Failure ExactContactRun::meet(double t, const std::vector<double>& found, const 
     // A bounce is the last one if the next flight is lower than places can be resolved (D11.35).
     const auto is_last = [&](const Gap& of, double e) {
       const auto last = last_impact_.find({of.law, of.key});
-      constexpr double part = 0.1;
-      return last != last_impact_.end() && e * e * -of.dg * (t - last->second) / 4 < part * phase_.touching();
+      return last != last_impact_.end() &&
+             e * e * -of.dg * (t - last->second) / 4 < unresolved_part * phase_.touching();
     };
     if (Failure failure = fails(phase_.impact(q, v, is_last, met, certificate_))) return failure;
     for (const ContactPhase::Impact& it : met) last_impact_[{it.law, it.key}] = t;
   }
   if (Failure failure = fails(phase_.project(q, v))) return failure;
   if (Failure failure = decide(t)) return failure;
+  if (touches)
+    if (Failure failure = end_short_flights(t, met)) return failure;
   note_changes(t, before, met, stopped);
   return settle(t);
+}
+
+/// Closes the contacts and stops that open in an impact at the present time t so slowly that their next
+/// flight is lower than places can be resolved (D11.35a). A body that rocks to rest would open and close them
+/// infinitely often. The impacts in `met` then count as shortened.
+Failure ExactContactRun::end_short_flights(double t, std::vector<ContactPhase::Impact>& met) {
+  if (Failure failure = settle(t)) return failure;
+  const double touching = phase_.touching(), highest = unresolved_part * touching;
+  std::vector<Gap> brief;
+  for (const Gap& gap : now_.gaps)
+    if (gap.g <= touching && gap.dg > 0 && gap.dg * gap.dg < -2 * gap.ddg * highest) brief.push_back(gap);
+  if (brief.empty()) return {};
+  if (std::string why = phase_.close(brief, q, v); !why.empty()) return {t, std::move(why)};
+  for (ContactPhase::Impact& it : met) {
+    it.bounces = false;
+    it.shortened = true;
+  }
+  return decide(t);
 }
 
 /// Computes the accelerations at the present state in the present phase, and what may end this phase.

@@ -57,6 +57,7 @@ class ExactContactRun : public SimulationRun {
   /// The time at which a step to t should end. It is t, except if at t a sliding velocity has a negative
   /// component along its stored direction without being near 0. The velocity has then turned, and the result
   /// is the middle of the step.
+  bool is_beyond_a_root(const std::vector<double>& found, std::size_t slips) const;
   double before_turn(double t, const std::vector<double>& found, const Marks& marks) const;
   Failure look_ahead(double t, double t_far, double reserve_far, const Attempt& attempt,
                      std::vector<ClosedConstraint>& next);
@@ -65,6 +66,7 @@ class ExactContactRun : public SimulationRun {
   Failure change(double t, const std::vector<double>& found, const std::vector<char>& stopped,
                  const std::vector<ClosedConstraint>& next);
   Failure meet(double t, const std::vector<double>& found, const std::vector<char>& stopped);
+  Failure end_short_flights(double t, std::vector<ContactPhase::Impact>& met);
   Failure settle(double t);
   void note_changes(double t, const std::vector<ClosedConstraint>& before,
                     const std::vector<ContactPhase::Impact>& met, const std::vector<char>& stopped);

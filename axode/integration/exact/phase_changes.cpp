@@ -13,6 +13,8 @@ namespace axode {
 namespace {
 
 constexpr double change_accepted = 1e-9, change_precise = 1e-15;  // certificates
+/// Part of the largest velocity with the same energy up to which a constraint is at rest after an impact.
+constexpr double at_rest_after = 1e-10;
 
 }  // namespace
 
@@ -312,7 +314,7 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
   }
   const bool any = std::ranges::any_of(restitution, [](double e) { return e > 0; });
   solver_.reserve(problem.nv(), problem.rows());
-  constexpr double rounding = 1e-12, of_motion = 1e-10;
+  constexpr double rounding = 1e-12;
   for (double part = 1; part >= 0; part -= 0.25) {
     for (std::size_t k = 0; k < closed.size(); ++k)
       if (restitution[k] > 0) problem.r[index(row_of(k))] = part * restitution[k] * u_[row_of(k)];
@@ -334,14 +336,23 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
   const double size = problem.w.norm() + (x - problem.w).norm();
   for (std::size_t k = 0; k < closed.size(); ++k) {
     const int row = row_of(k);
-    const double tolerance = of_motion * size * Y_.col(row).norm();
+    const double tolerance = at_rest_after * size * Y_.col(row).norm();
     if (closed[k].law == ContactLaw::dry_friction || !(all[k].speed > tolerance)) continue;
     all[k].bounces = after[row] > tolerance;
     met.push_back(all[k]);
   }
   v = v_after;
   bool again = false;
-  select_slow(v, of_motion, again);
+  select_slow(v, at_rest_after, again);
+  return {};
+}
+
+std::string ContactPhase::close(const std::vector<Gap>& touching, Vector& q, Vector& v) {
+  for (const Gap& gap : touching)
+    closed.push_back({.law = gap.law, .key = gap.key, .branch = LawBranch::slide});
+  if (std::string why = project(q, v); !why.empty()) return why;
+  bool impacts = false;
+  select_slow(v, at_rest_after, impacts);
   return {};
 }
 
