@@ -502,6 +502,29 @@ TEST(ExactContact, BodiesThatAreThrownMoveToTheEnd) {
   EXPECT_GE(rocked, 3);
 }
 
+/// The sliding velocity of a ball whose centre of mass is aside falls to 1e-6 m/s and turns to another direction
+/// within a microsecond. A step that ends there must be as accurate as any other: friction makes no energy.
+TEST(ExactContact, ASlideThatTurnsNearRestIsAccurate) {
+  Scene scene({.friction = 0.803134});
+  scene.description.shapes[0].pose.R = exp_SO3(Vec3<>{0.209447, 0, 0});
+  scene.add("ball", ShapeKind::sphere, 0.1, {.friction = 0.803134});
+  scene.description.bodies.back().inertia =
+      MassProperties{.mass = 1, .com = {0, 0.042219, 0}, .Theta = {0.006, 0.007, 0.008, 0, 0, 0}};
+  const Model model = scene.build();
+  const std::vector<double> q{
+      -0.5373824286047505, 0.33943825733827804, 0.65129843765360151, -0.41450227983931648, 0, 0, 0.5};
+  const std::vector<double> v{1.0198393431214265, -0.19183049175234679, 1.0333814302999693,
+                              1.1100378726531672, 0.01374770068525244,  -0.64361647471089034};
+  for (const double tolerance : {1e-8, 1e-10}) {
+    const Trajectory motion =
+        simulate_contact_exact(model, q, v, 1.5, {.relative = tolerance, .absolute = tolerance});
+    expect_lawful(motion);
+    for (std::size_t k = 1; k < motion.size(); ++k)
+      EXPECT_LE(energy_at(model, motion, k), energy_at(model, motion, k - 1) + 0.1 * tolerance)
+          << motion.t()[k];
+  }
+}
+
 /// The gap of the rim of a cylinder that tumbles is no polynomial over a long step after a small bounce.
 TEST(ExactContact, AFlightThatIsShorterThanAStepIsFound) {
   Scene scene({.friction = 0.144});

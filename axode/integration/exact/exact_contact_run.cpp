@@ -141,7 +141,7 @@ std::vector<double> ExactContactRun::entries(double t, const Marks& marks) const
 Failure ExactContactRun::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
   if (Failure failure = end_at_switch(t_1, end, attempt)) return failure;
   if (Failure failure = take_in_phase(t_1, end, attempt)) return failure;
-  return done() ? Failure{} : switch_drives();
+  return done() || step_limit_ < infinite ? Failure{} : switch_drives();
 }
 
 /// Lets inputs jump and drives change their statuses, after which forces may begin another phase.
@@ -184,16 +184,11 @@ Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& 
   }
   const double t_far = t_1, reserve_far = found[0];
   if (Failure failure = find_event(t_1, end, found, marks, attempt)) return failure;
-  if (t_1 - t_0 > shortest * last_ && is_beyond_a_root(found, marks.slips.size())) {
-    t_1 = t_0 + (t_1 - t_0) / 2;
-    if (Failure failure = attempt(t_1, end)) return failure;
-    return take_in_phase(t_1, end, attempt);
-  }
-  if (const double t = before_turn(t_1, found, marks); t < t_1) {
-    if (Failure failure = attempt(t, end)) return failure;
-    if (Failure failure = accept(t, end)) return failure;
-    return done() ? Failure{} : settle(t);
-  }
+  // A step that is shortened for these reasons is repeated with its error estimate.
+  step_limit_ = before_turn(t_1, found, marks);
+  if (t_1 - t_0 > shortest * last_ && is_beyond_a_root(found, marks.slips.size()))
+    step_limit_ = t_0 + (t_1 - t_0) / 2;
+  if (step_limit_ < t_1) return {};
   std::vector<ClosedConstraint> next;
   if (std::none_of(found.begin() + 1, found.end(), is_negative)) {
     if (Failure failure = look_ahead(t_1, t_far, reserve_far, attempt, next)) return failure;
@@ -288,6 +283,7 @@ Failure ExactContactRun::look_ahead(double t, double t_far, double reserve_far, 
 
 /// Projects the state at the end of a step on the constraints of the phase and appends it to the trajectory.
 Failure ExactContactRun::accept(double t, StepEnd& end) {
+  step_limit_ = infinite;
   follow(t);
   if (phase_.any()) {
     if (std::string why = phase_.project(end.q, end.v); !why.empty()) return {t, why};

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -21,8 +23,11 @@ class ExactContactRun : public SimulationRun {
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
   /// Takes a step that ends at t_1, or at the first event before t_1. Events are impacts, contacts and hard
   /// stops that open or close, contacts and joints with dry friction that begin or cease to slide, and drives
-  /// that change to another branch of their law.
+  /// that change to another branch of their law. If the step is too long to find an event in it, takes no
+  /// step and sets step_limit_.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
+  /// As that of SimulationRun, and not after step_limit_.
+  double step_end(double t_1) const { return std::min(SimulationRun::step_end(t_1), step_limit_); }
 
  private:
   /// The numbers that decide at a state whether the phase has ended.
@@ -85,6 +90,7 @@ class ExactContactRun : public SimulationRun {
   std::vector<Window> windows_;
   std::map<std::pair<ContactLaw, std::uint64_t>, double> last_impact_;
   double certificate_ = 0, last_event_ = -1;
+  double step_limit_ = std::numeric_limits<double>::infinity();  ///< the end of a step that is repeated
   int quick_events_ = 0;
 };
 
