@@ -260,8 +260,8 @@ TEST(LocalMobility, CountsCouplingsAndLeavesOutOtherJoints) {
   EXPECT_NEAR(found.branches[0].T(0, 0), 2 / std::sqrt(5.0), 1e-14);
 }
 
-/// The axes of a spherical mechanism meet in a point, whose coordinates are known but for rounding errors. The
-/// distances of these points are no lengths of the mechanism.
+/// The axes of a spherical mechanism meet in a point, whose coordinates are known but for rounding errors.
+/// The distances of these points are no lengths of the mechanism.
 TEST(LocalMobility, TakesPointsThatDifferByRoundingForOne) {
   for (const Vec3<>& center : {Vec3<>{}, Vec3<>{0.1, -0.2, 0.3}, Vec3<>{1e3, 0, 0}}) {
     const double rounding = 2e-16 * (0.1 + norm(center));

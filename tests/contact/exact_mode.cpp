@@ -502,8 +502,9 @@ TEST(ExactContact, BodiesThatAreThrownMoveToTheEnd) {
   EXPECT_GE(rocked, 3);
 }
 
-/// The sliding velocity of a ball whose centre of mass is aside falls to 1e-6 m/s and turns to another direction
-/// within a microsecond. A step that ends there must be as accurate as any other: friction makes no energy.
+/// The sliding velocity of a ball whose centre of mass is aside falls to 1e-6 m/s and turns to another
+/// direction within a microsecond. A step that ends there must be as accurate as any other: friction makes no
+/// energy.
 TEST(ExactContact, ASlideThatTurnsNearRestIsAccurate) {
   Scene scene({.friction = 0.803134});
   scene.description.shapes[0].pose.R = exp_SO3(Vec3<>{0.209447, 0, 0});
