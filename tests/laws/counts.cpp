@@ -389,7 +389,9 @@ class CountedLoops {
     Numbers without_loops(response.size());
     static_cast<void>(row("impulse_response").call(whole_.model, reference_.tree, at, without_loops));
     const double size = largest_of(Eigen::Map<const Vector>(without_loops.data(), std::ssize(without_loops)));
-    expect_zero(reference_.A * Y.transpose(), (1 + largest_of(reference_.A)) * size);
+    constexpr double of_rounding = 1e-12;  // the rows of a loop that holds nothing are rounding errors
+    const double of_rows = largest_of(reference_.A);
+    expect_zero(reference_.A * Y.transpose(), (of_rows > of_rounding ? of_rows : 1) * size);
     expect_zero(reference_.N.transpose() * (MY - J.transpose()), largest_of(MY) + largest_of(J));
     if (row_.name == "impulse_response") return;
     const Matrix JY = J * Y.transpose(), found = Eigen::Map<const RowByRow>(out.data(), 6, 6);

@@ -256,9 +256,9 @@ std::string ContactPhase::accelerate(const Vector& q, const Vector& v, const For
     const Matrix left = Matrix::Identity(m, m) - inverse * G;
     const auto redundant = static_cast<Eigen::Index>(std::lround(left.trace()));
     if (redundant > 0) {
-      const Matrix Q = Eigen::ColPivHouseholderQR<Matrix>(left).householderQ();
-      free_loads_ = weights_.cwiseInverse().asDiagonal() * Q.leftCols(redundant);
-      loads_move_ = (C * Q.leftCols(redundant)).norm() > consistent;
+      const Matrix Q = Eigen::ColPivHouseholderQR<Matrix>(left).householderQ(), open = Q.leftCols(redundant);
+      free_loads_ = weights_.cwiseInverse().asDiagonal() * open;
+      loads_move_ = (C * open).norm() > consistent;
     }
     loads_ = loads.cwiseQuotient(weights_);
     if (loads_move_) share_loads();

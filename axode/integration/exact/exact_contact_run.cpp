@@ -352,17 +352,17 @@ Failure ExactContactRun::meet(double t, const std::vector<double>& found, const 
   }
   if (Failure failure = fails(phase_.project(q, v))) return failure;
   if (Failure failure = decide(t)) return failure;
+  if (Failure failure = settle(t)) return failure;
   if (touches)
     if (Failure failure = end_short_flights(t, met)) return failure;
   note_changes(t, before, met, stopped);
-  return settle(t);
+  return {};
 }
 
 /// Closes the contacts and stops that open in an impact at the present time t so slowly that their next
 /// flight is lower than places can be resolved (D11.35a). A body that rocks to rest would open and close them
-/// infinitely often. The impacts in `met` then count as shortened.
+/// infinitely often. The impacts in `met` then count as shortened. settle() must have been called.
 Failure ExactContactRun::end_short_flights(double t, std::vector<ContactPhase::Impact>& met) {
-  if (Failure failure = settle(t)) return failure;
   const double touching = phase_.touching(), highest = unresolved_part * touching;
   std::vector<Gap> brief;
   for (const Gap& gap : now_.gaps)
@@ -373,7 +373,8 @@ Failure ExactContactRun::end_short_flights(double t, std::vector<ContactPhase::I
     it.bounces = false;
     it.shortened = true;
   }
-  return decide(t);
+  if (Failure failure = decide(t)) return failure;
+  return settle(t);
 }
 
 /// Computes the accelerations at the present state in the present phase, and what may end this phase.
