@@ -114,49 +114,57 @@ template <class T> constexpr T sum(const Coefficients& coefficients, const T& s)
 
 /// The values f, f', f'' of functions of s = θ²: a = sin θ/θ, b = (1 - cos θ)/θ², c = (θ - sin θ)/θ³ and g =
 /// (1 - θ/2 cot(θ/2))/θ².
-template <class T> struct ExponentialCoefficients {
-  std::array<T, 3> a, b, c, g;
+template <class T> class ExponentialCoefficients {
+ public:
+  using Values = std::array<T, 3>;
 
-  explicit constexpr ExponentialCoefficients(const T& s) {
-    const auto near = s < T(series::radius);
-    const T x = select(near, T(1), s);  // the closed forms remain finite even if they are not used
-    const T theta = sqrt(x), i = T(1) / (T(2) * x), half_sine = sin(T(0.5) * theta);
-    const T a0 = sin(theta) / theta, b0 = T(2) * half_sine * half_sine / x, c0 = (T(1) - a0) / x;
+  explicit constexpr ExponentialCoefficients(const T& s)
+      : s_(s), x_(select(s < T(series::radius), T(1), s)) {  // the closed forms remain finite
+    const T theta = sqrt(x_), i = T(1) / (T(2) * x_), half_sine = sin(T(0.5) * theta);
+    const T a0 = sin(theta) / theta, b0 = T(2) * half_sine * half_sine / x_, c0 = (T(1) - a0) / x_;
     const T a1 = (cos(theta) - a0) * i, b1 = (a0 - T(2) * b0) * i, c1 = (b0 - T(3) * c0) * i;
     const T a2 = (T(-0.5) * a0 - T(3) * a1) * i, b2 = (a1 - T(4) * b1) * i, c2 = (b1 - T(5) * c1) * i;
-    const T h = T(1) / (T(2) * b0);  // u = θ/2 cot(θ/2) = a/(2b), g = (1 - u)/s
-    const T u0 = a0 * h, u1 = (a1 - T(2) * u0 * b1) * h, u2 = (a2 - T(4) * u1 * b1 - T(2) * u0 * b2) * h;
-    const T g0 = (T(1) - u0) / x, g1 = (-u1 - g0) / x, g2 = (-u2 - T(2) * g1) / x;
-    a = choose(near, series::a, s, {a0, a1, a2});
-    b = choose(near, series::b, s, {b0, b1, b2});
-    c = choose(near, series::c, s, {c0, c1, c2});
-    g = choose(near, series::g, s, {g0, g1, g2});
+    a_ = {a0, a1, a2};
+    b_ = {b0, b1, b2};
+    c_ = {c0, c1, c2};
+  }
+  constexpr Values a() const { return choose(series::a, a_); }
+  constexpr Values b() const { return choose(series::b, b_); }
+  constexpr Values c() const { return choose(series::c, c_); }
+  constexpr Values g() const {
+    const T h = T(1) / (T(2) * b_[0]);  // u = θ/2 cot(θ/2) = a/(2b), g = (1 - u)/s
+    const T u0 = a_[0] * h, u1 = (a_[1] - T(2) * u0 * b_[1]) * h,
+            u2 = (a_[2] - T(4) * u1 * b_[1] - T(2) * u0 * b_[2]) * h;
+    const T g0 = (T(1) - u0) / x_, g1 = (-u1 - g0) / x_, g2 = (-u2 - T(2) * g1) / x_;
+    return choose(series::g, {g0, g1, g2});
   }
 
  private:
-  template <class Condition>
-  static constexpr std::array<T, 3> choose(const Condition& near, const series::Table& table, const T& s,
-                                           const std::array<T, 3>& closed) {
-    return {select(near, series::sum(table[0], s), closed[0]),
-            select(near, series::sum(table[1], s), closed[1]),
-            select(near, series::sum(table[2], s), closed[2])};
+  constexpr Values choose(const series::Table& table, const Values& closed) const {
+    const auto near = s_ < T(series::radius);
+    return {select(near, series::sum(table[0], s_), closed[0]),
+            select(near, series::sum(table[1], s_), closed[1]),
+            select(near, series::sum(table[2], s_), closed[2])};
   }
+
+  T s_, x_;
+  Values a_, b_, c_;  ///< the closed forms
 };
 
 /// exp_ξ = I + (sin θ/θ) ξ̃ + ((1 - cos θ)/θ²) ξ̃² for s = θ² = ‖ξ‖².
 template <class T> constexpr ScrewOperator<T> exp_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
-  return {k.a, k.b};
+  return {k.a(), k.b()};
 }
 /// dexp_ξ = I + ((1 - cos θ)/θ²) ξ̃ + ((θ - sin θ)/θ³) ξ̃² for s = θ² = ‖ξ‖².
 template <class T> constexpr ScrewOperator<T> dexp_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
-  return {k.b, k.c};
+  return {k.b(), k.c()};
 }
 /// dexp_ξ⁻¹ = I - ξ̃/2 + ((1 - θ/2 cot(θ/2))/θ²) ξ̃² for s = θ² = ‖ξ‖².
 template <class T> constexpr ScrewOperator<T> dexp_inv_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
-  return {{T(-0.5), T(0), T(0)}, k.g};
+  return {{T(-0.5), T(0), T(0)}, k.g()};
 }
 
 }  // namespace axode

@@ -52,8 +52,8 @@ template <class T> constexpr Quaternion<T> quaternion(const SO3<T>& R) {
 template <class T> constexpr Quaternion<T> exp_quaternion(const Vec3<T>& xi) {
   const T s = T(0.25) * dot(xi, xi);  // square of half the angle
   const ExponentialCoefficients<T> half(s);
-  const T k = T(0.5) * half.a[0];
-  return {k * xi.x, k * xi.y, k * xi.z, T(1) - s * half.b[0]};
+  const T k = T(0.5) * half.a()[0];
+  return {k * xi.x, k * xi.y, k * xi.z, T(1) - s * half.b()[0]};
 }
 
 /// The logarithm of a unit quaternion: the rotation vector (rad), whose length is the angle, from 0 to π. The
