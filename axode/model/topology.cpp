@@ -63,6 +63,11 @@ void find_subtrees(Topology& t) {
   for (int i = 1; i <= t.n; ++i)
     for (int s = t.first_screw[i]; s < t.first_screw[i + 1] && !t.coupled[i]; ++s)
       t.velocity_end.push_back(t.subtree_end[i] <= t.n ? t.iv[t.subtree_end[i]] : t.nv);
+  std::vector<int> depth(size(t.n + 1));
+  for (int i = 1; i <= t.n; ++i) depth[i] = depth[t.parent[i]] + 1;
+  t.by_depth.resize(size(t.n));
+  std::iota(t.by_depth.begin(), t.by_depth.end(), 1);
+  std::stable_sort(t.by_depth.begin(), t.by_depth.end(), [&](int i, int j) { return depth[i] < depth[j]; });
 }
 
 /// For each velocity c, velocities with larger indices to which the mass matrix couples c, because their

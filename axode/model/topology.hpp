@@ -44,6 +44,9 @@ struct Topology {
   /// The bodies whose joint is coupled, and the bodies whose joint has a quaternion and is not coupled.
   std::vector<int> coupled_bodies, quaternion_bodies;
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
+  /// n: the bodies, sorted by the number of joints between them and the ground. In this order, steps of a
+  /// recursion that do not need each other's results follow each other, so that a processor overlaps them.
+  std::vector<int> by_depth;
   /// nv: velocities c to velocity_end[c] - 1 (without couplings) are in the subtree that velocity c moves.
   std::vector<int> velocity_end;
   /// Size nv: the parent of each velocity in the elimination tree of the mass matrix M = LᵀDL, from which

@@ -1,4 +1,6 @@
 #pragma once
+#include <ranges>
+
 #include "axode/recursion/forward_kinematics.hpp"
 #include "axode/recursion/solvability.hpp"
 
@@ -74,6 +76,9 @@ template <class Rep, class T> struct ArticulatedBodies {
   /// Computes the joint screws S and the rigid inertias `M_body` at the present configuration (in `links`).
   template <TreeOf<T> AnyTree> void put_screws_and_inertias(const AnyTree& tree) noexcept {
     joint_columns(tree, links.link, S);
+    put_inertias(tree);
+  }
+  template <TreeOf<T> AnyTree> void put_inertias(const AnyTree& tree) noexcept {
     for (int i = 1; i <= tree->n; ++i) M_body[i] = links.link[i].inertia(tree.M[i]);
   }
   /// Factorises the mass matrix from the joint screws S and the rigid inertias `M_body`. Rounding errors of
@@ -245,17 +250,19 @@ template <class Rep, class T> struct ArticulatedBodies {
   /// Returns false if a pivot is so small that the mass matrix may be singular; the factors are then
   /// incomplete.
   template <TreeOf<T> AnyTree> bool eliminate_fast(const AnyTree& tree, const T* armature) noexcept {
-    M[0] = {};
-    for (int i = 1; i <= tree->n; ++i) M[i] = articulated(links.link[i], M_body[i]);
-    for (int i = tree->n; i > 0; --i) {
+    for (int i = 0; i <= tree->n; ++i) M[i] = {};
+    for (const int i : std::views::reverse(tree->by_depth)) {
+      ArticulatedInertia<Rep, T> left = articulated(links.link[i], M_body[i]);
+      left += M[i];  // those of the bodies that joints connect to body i
       const int first = tree->first_screw[i];
       for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
-        U[s] = M[i] * S[s];
+        U[s] = left * S[s];
         D[s] = (U[s] | S[s]) + armature[tree->iv[i] + s - first];
         if (!(D[s] > T(pivot_threshold<T>) * tree.inertia_scale[s])) return false;
-        eliminate(M[i], U[s], D[s]);
+        eliminate(left, U[s], D[s]);
       }
-      M[tree->parent[i]] += links.link[i].up(M[i]);
+      M[i] = left;
+      M[tree->parent[i]] += links.link[i].up(left);
     }
     return true;
   }

@@ -343,7 +343,8 @@ template <class T> Solvability LoopSystem<T>::factorize(const T* q, const RowRan
 
 template <class T> Solvability LoopSystem<T>::factorize_with_armature(const T* armature) noexcept {
   auto& bodies = dynamics_->bodies;
-  const Solvability verdict = bodies.factorize(tree(), armature);
+  bodies.put_inertias(tree());
+  const Solvability verdict = bodies.eliminate_joints(tree(), armature);
   const auto put = [&](int c, const T&, const T& D) { root_[c] = T(1) / sqrt(D); };
   for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
   return verdict;

@@ -234,6 +234,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const Vector& scale() const { return scale_; }
   const LoopTable& table() const { return table_; }
   const Link<Spatial, T>& link(int i) const { return link_[i]; }
+  /// The diagonal of D^-½ (nv) of the last factorisation of the mass matrix M = LᵀD L of the spanning tree.
+  const Vector& root() const { return root_; }
   /// The articulated bodies of the spanning tree.
   ArticulatedBodies<Spatial, T>& bodies() { return dynamics_->bodies; }
 
