@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
+#include "axode/constraints/loop_system/rows_in_lanes.hpp"
 #include "axode/scalar/index.hpp"
 
 namespace axode {
@@ -50,7 +52,6 @@ ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t c
   const std::size_t blocks = capacity + stops_.size() + dry_.size() + loop_rows;
   problem_.reserve(blocks);
   J_.reserve(blocks * LawBlock::most_rows * nv);
-  root_.resize(nv);
   unit_.resize(nv);
   A_.resize(loop_rows * nv);
   residual_.resize(index(model.loops().residuals));
@@ -102,9 +103,6 @@ Solvability ContactSystem::set(const double* q, std::span<const Contact> contact
     for (std::size_t c = 0; c < armature_.size(); ++c) armature_[c] += resistance[c];
   const Solvability verdict = loops_.factorize_with_armature(armature_.data());
   if (!verdict.ok()) return verdict;
-  for (int i = 0; i <= model_.n_bodies(); ++i)
-    loops_.bodies().each_pivot(
-        tree(), i, [&](int c, const double&, const double& D) { root_[index(c)] = 1 / std::sqrt(D); });
   int compliance = model_.nv();
   for (const Contact& contact : contacts) {
     add_contact(contact, compliance);
@@ -129,17 +127,18 @@ void ContactSystem::find_path(int a, int b) {
   ends_of_path_ = {a, b};
   const Topology& topology = *tree().operator->();
   path_.clear();
-  support_.clear();
-  const auto add = [&](int c, const double&, const double&) { support_.push_back(c); };
   for (int i = a, j = b; i > 0 || j > 0;) {
     const int k = std::max(i, j);
     path_.push_back({k, (j == k ? 1 : 0) - (i == k ? 1 : 0)});
     if (i == k) i = topology.parent[k];
     if (j == k) j = topology.parent[k];
-    loops_.bodies().each_pivot(tree(), k, add);
   }
+  support_.clear();
+  const auto add = [&](int c, const double&, const double&) { support_.push_back(c); };
+  for (const PathBody& on_path : std::views::reverse(path_))
+    loops_.bodies().each_pivot(tree(), on_path.body, add);
   loops_.bodies().each_pivot(tree(), 0, add);
-  std::ranges::sort(support_);
+  if (is_coupled()) std::ranges::sort(support_);
   for (std::size_t k = 0; k < support_.size(); ++k) place_[index(support_[k])] = static_cast<int>(k);
 }
 
@@ -153,11 +152,11 @@ void ContactSystem::pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wr
   };
   at_rest(0);
   for (const PathBody& on_path : path_) at_rest(on_path.body);
-  bodies.W[a] += on_a;
+  bodies.W[a] -= on_a;
   bodies.W[b] -= on_b;
   for (const PathBody& on_path : path_) bodies.backward_step(tree(), on_path.body, x);
   bodies.backward_step_at_ground(tree(), x);
-  const auto put = [&](int c, const double& u, const double&) { Y[place_[index(c)]] = root_[index(c)] * u; };
+  const auto put = [&](int c, const double& u, const double&) { Y[place_[index(c)]] = root(c) * u; };
   for (const PathBody& on_path : path_) bodies.each_pivot(tree(), on_path.body, put);
   bodies.each_pivot(tree(), 0, put);
 }
@@ -200,46 +199,55 @@ void ContactSystem::add_contact(const Contact& contact, int& compliance) {
 }
 
 template <int rows> void ContactSystem::add_rows(const Contact& contact, double* J, double* Y) noexcept {
+  using Lanes = RowsInLanes<double, rows>;
   const std::size_t width = support_.size();
   const ContactFrame frame = contact_frame(contact.normal);
   const std::array axes{frame.n, frame.t1, frame.t2};
-  std::array<Wrench<Spatial>, rows> on_a, on_b;
+  std::array<Wrench<Spatial>, LawBlock::most_rows> on_a, on_b;
   for (std::size_t k = 0; k < rows; ++k) {
     const Wrench<Spatial> force{{}, axes[k % 3]}, moment{axes[k % 3], {}};
-    on_a[k] = at_root(contact.a, contact.point, k < 3 ? force : moment);
+    on_a[k] = at_root(contact.a, contact.point, k < 3 ? -force : -moment);
     on_b[k] = at_root(contact.b, contact.point, k < 3 ? force : moment);
   }
-  for (const auto& [i, side] : path_) {
-    if (side == 0) continue;
-    const auto& on_body = side > 0 ? on_b : on_a;
-    each_screw(i, [&, side = side](int c, int s) {
-      double* entry = J + place_[index(c)];
-      for (std::size_t k = 0; k < rows; ++k, entry += width)
-        *entry += side * (on_body[k] | loops_.bodies().S[s]);
-    });
-  }
+  const auto& bodies = loops_.bodies();
   if (is_coupled()) {
+    for (const auto& [i, side] : path_) {
+      if (side == 0) continue;
+      const auto& on_body = side > 0 ? on_b : on_a;
+      each_screw(i, [&](int c, int s) {
+        double* entry = J + place_[index(c)];
+        for (std::size_t k = 0; k < rows; ++k, entry += width) *entry += on_body[k] | bodies.S[s];
+      });
+    }
     for (std::size_t k = 0; k < rows; ++k, Y += width)
       pull_row(contact.a, contact.b, on_a[k], on_b[k], unit_.data(), Y);
     return;
   }
-  const auto& bodies = loops_.bodies();
-  // One sweep for all rows of the contact. The wrenches on a and b add up where their paths meet.
-  for (Wrench<Spatial>& on : on_a) on = -1.0 * on;
+  // One sweep for all rows of the contact. What remains of the wrenches on a and b adds up where their paths
+  // meet.
+  const Lanes of_a(on_a, 0), of_b(on_b, 0);
+  Lanes left_of_a = of_a, left_of_b = of_b;
   bool met = false;
   for (const auto& [i, side] : path_) {
     if (side == 0 && !met) {
-      for (std::size_t k = 0; k < rows; ++k) on_b[k] += on_a[k];
+      left_of_b.m += left_of_a.m;
+      left_of_b.f += left_of_a.f;
       met = true;
     }
-    auto& on_body = side < 0 ? on_a : on_b;
-    each_screw_backwards(i, [&](int c, int s) {
-      double* entry = Y + place_[index(c)];
-      for (std::size_t k = 0; k < rows; ++k, entry += width) {
-        const double u = on_body[k] | bodies.S[s];
-        on_body[k] -= (u / bodies.D[s]) * bodies.U[s];
-        *entry = root_[index(c)] * u;
+    const Lanes& of = side < 0 ? of_a : of_b;
+    Lanes& left = side < 0 ? left_of_a : left_of_b;
+    each_screw_backwards(i, [&, side = side](int c, int s) {
+      const auto w = Lanes::all(bodies.S[s].w), v = Lanes::all(bodies.S[s].v);
+      const std::size_t at = index(place_[index(c)]);
+      const double scale = root(c);
+      if (side != 0) {
+        const auto entry = dot(of.m, w) + dot(of.f, v);
+        for (std::size_t k = 0; k < rows; ++k) J[at + k * width] = entry[k];
       }
+      const auto u = dot(left.m, w) + dot(left.f, v);
+      std::array<double, rows> y;
+      left.eliminate(u, scale, y.data(), scale * scale * u, bodies.U[s].m, bodies.U[s].f);
+      for (std::size_t k = 0; k < rows; ++k) Y[at + k * width] = y[k];
     });
   }
 }
@@ -278,7 +286,7 @@ void ContactSystem::pull(const double* p, double* x) noexcept {
   auto& bodies = loops_.bodies();
   if (is_coupled()) {
     bodies.backward_sweep(tree(), p);
-    const auto put = [&](int c, const double& u, const double&) { x[c] = root_[index(c)] * u; };
+    const auto put = [&](int c, const double& u, const double&) { x[c] = root(c) * u; };
     for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
     return;
   }
@@ -287,8 +295,8 @@ void ContactSystem::pull(const double* p, double* x) noexcept {
   for (int i = tree()->n; i > 0; --i) {
     each_screw_backwards(i, [&](int c, int s) {
       const double u = p[c] - (W[i] | bodies.S[s]);
-      W[i] += (u / bodies.D[s]) * bodies.U[s];
-      x[c] = root_[index(c)] * u;
+      x[c] = root(c) * u;
+      W[i] += (root(c) * x[c]) * bodies.U[s];
     });
     W[tree()->parent[i]] += W[i];
   }
@@ -297,7 +305,7 @@ void ContactSystem::pull(const double* p, double* x) noexcept {
 void ContactSystem::push(const double* x, double* v) noexcept {
   auto& bodies = loops_.bodies();
   if (is_coupled()) {
-    const auto put = [&](int c, double& u, const double& D) { u = root_[index(c)] * D * x[c]; };
+    const auto put = [&](int c, double& u, const double& D) { u = root(c) * D * x[c]; };
     for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
     bodies.forward_sweep(tree(), v);
     return;
@@ -307,9 +315,27 @@ void ContactSystem::push(const double* x, double* v) noexcept {
   for (int i = 1; i <= tree()->n; ++i) {
     X[i] = X[tree()->parent[i]];
     each_screw(i, [&](int c, int s) {
-      const double u = root_[index(c)] * bodies.D[s] * x[c];
-      v[c] = (u - (bodies.U[s] | X[i])) / bodies.D[s];
+      v[c] = root(c) * (x[c] - root(c) * (bodies.U[s] | X[i]));
       X[i] += v[c] * bodies.S[s];
+    });
+  }
+}
+
+void ContactSystem::pull_velocities(const double* v, double* x) noexcept {
+  if (is_coupled()) {
+    momenta(v, x);
+    pull(x, x);
+    return;
+  }
+  auto& bodies = loops_.bodies();
+  Twist<Spatial>* const X = bodies.X;
+  X[0] = {};
+  for (int i = 1; i <= tree()->n; ++i) {
+    X[i] = X[tree()->parent[i]];
+    each_screw(i, [&](int c, int s) {
+      const double v_c = v[c];
+      x[c] = root(c) * (bodies.D[s] * v_c + (bodies.U[s] | X[i]));
+      X[i] += v_c * bodies.S[s];
     });
   }
 }

@@ -31,11 +31,11 @@ struct Contact {
 struct ContactFrame {
   Vec3<> n, t1, t2;
 };
-ContactFrame contact_frame(const Vec3<>& normal) noexcept;
+AXODE_ENTRY ContactFrame contact_frame(const Vec3<>& normal) noexcept;
 /// The axes of a contact for another normal: the new t1 is the tangent t1 of `axes`, projected on the plane
 /// that is perpendicular to `normal` and normalised, so that the axes do not rotate about the normal. If the
 /// old t1 is nearly parallel to the normal, the tangents are chosen from the normal alone.
-ContactFrame turned(const ContactFrame& axes, const Vec3<>& normal) noexcept;
+AXODE_ENTRY ContactFrame turned(const ContactFrame& axes, const Vec3<>& normal) noexcept;
 
 /// A hard stop at a limit of a joint with one velocity: side (q - limit) ≥ 0, where side is 1 or -1.
 struct JointStop {
@@ -59,7 +59,7 @@ struct DryJoint {
 /// b relative to a, along n, t1 and t2. The columns of Y = D^-½ L⁻ᵀ Jᵀ, with the Jacobian J of the rows, are
 /// computed by sweeps along the paths of bodies to the ground (D11.4). An object is the scratch memory of one
 /// thread.
-class ContactSystem {
+class AXODE_ENTRY ContactSystem {
  public:
   /// Reserves memory for the constraint rows of `capacity` contacts, and of all hard stops, joints with
   /// dry friction and loops of the model. A contact has `contact_rows` rows: 3, or 4 with drilling
@@ -134,6 +134,9 @@ class ContactSystem {
   /// arguments of a call may be the same memory.
   void pull(const double* p, double* x) noexcept;
   void push(const double* x, double* v) noexcept;
+  /// The inverse of push(): computes x = D^½ L v from the velocities v. set() must have factorised the mass
+  /// matrix with the armature of the model alone.
+  void pull_velocities(const double* v, double* x) noexcept;
   /// With the Jacobian J of all constraint rows, times() computes the velocities u = J v of the rows from the
   /// joint velocities v, and add_transposed_times() adds the generalised impulses Jᵀ λ of the impulses λ of
   /// the rows to p. The velocities u (m/s, rad/s) and the impulses λ (N s, N m s) are physical: they are not
@@ -157,6 +160,7 @@ class ContactSystem {
 
  private:
   const Tree<double>& tree() const { return model_.tree<double>(); }
+  double root(int velocity) const { return loops_.root()[velocity]; }  ///< entry of D^-½
   /// Whether the tree has coupled joints. Without these, the sweeps over the tree are plain loops here, which
   /// makes a step of a standing quadruped 5 % faster.
   bool is_coupled() const { return !tree()->coupled_bodies.empty(); }
@@ -180,8 +184,8 @@ class ContactSystem {
   /// use them.
   void find_path(int a, int b);
   /// Computes the column of Y = D^-½ L⁻ᵀ Jᵀ that belongs to one row of the Jacobian J, with the mass matrix
-  /// Lᵀ D L. The row has the generalised forces of the wrench `on_b` on body b and of the wrench -`on_a` on
-  /// body a, plus the generalised forces x (nv numbers). Each wrench is in inertial axes, about the origin of
+  /// Lᵀ D L. The row has the generalised forces of the wrench `on_a` on body a and of the wrench `on_b` on
+  /// body b, plus the generalised forces x (nv numbers). Each wrench is in inertial axes, about the origin of
   /// the root body, which is the first body on the path from the ground to the body on which the wrench acts.
   /// A backward sweep passes the bodies on the paths of a and b to the ground, which find_path(a, b) must
   /// have found before.
@@ -210,7 +214,7 @@ class ContactSystem {
   std::vector<DryJoint> dry_;
   VelocityProblem problem_;
   std::vector<double> J_;  ///< entries of the Jacobian, with the layout of Y
-  std::vector<double> root_, room_, unit_, residual_, A_, armature_;
+  std::vector<double> room_, unit_, residual_, A_, armature_;
   std::vector<char> residual_rows_;  ///< has_residual() of each row of the loops
   std::vector<Twist<Spatial>> V_;
   std::vector<Momentum<Spatial>> Pi_;

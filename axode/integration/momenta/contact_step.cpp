@@ -381,8 +381,7 @@ Failure ContactStep::land(double t) {
   end_.u.resize(end_.rows());
   end_.u_after.resize(end_.rows());
   end_.system.times(v.data(), end_.u.data());
-  end_.system.momenta(v.data(), end_.x.data());
-  end_.system.pull(end_.x.data(), problem.w.data());
+  end_.system.pull_velocities(v.data(), problem.w.data());
   problem.finish();
   recall(end_, 1);
   const double before = certificate;
