@@ -77,7 +77,8 @@ set(AXODE_ROWS
 # Sources of kernels that exist in double only.
 set(AXODE_IN_DOUBLE
     constraints/embedding/task_kernel
-    constraints/embedding/task_ranks)
+    constraints/embedding/task_ranks
+    contact/law/contact_system)
 
 set(AXODE_FAST_PER_SCALAR
     constraints/loop_system/loop_derivatives
@@ -184,6 +185,16 @@ function(axode_instantiate_for_sets group name definitions)
   endforeach()
 endfunction()
 
+# axode_prefer_short_vectors(<name>): makes the compiler use at most 256 bits in the objects <name> for
+# x86-64-v4, except where the source asks for more. Recursions over bodies in plain numbers write vectors one number
+# at a time. When they are then copied in registers of 512 bits, the processor waits for all these numbers.
+function(axode_prefer_short_vectors name)
+  if(TARGET ${name}_x86-64-v4)
+    target_compile_options(${name}_x86-64-v4 PRIVATE -mprefer-vector-width=256)
+    set_target_properties(${name}_x86-64-v4 PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
+  endif()
+endfunction()
+
 # axode_add_group(<library> <group>): adds the objects of a group to a library.
 function(axode_add_group library group)
   get_property(objects GLOBAL PROPERTY axode_objects_of_${group})
@@ -227,7 +238,15 @@ function(axode_add_part part)
   foreach(list IN LISTS instantiated)
     list(FILTER ${list} INCLUDE REGEX "^(${floors})/")
   endforeach()
+  set(of_loops ${AXODE_PER_SCALAR} ${AXODE_FAST_PER_SCALAR})
+  list(FILTER of_loops INCLUDE REGEX "^constraints/")
+  list(REMOVE_ITEM AXODE_PER_SCALAR ${of_loops})
+  list(REMOVE_ITEM AXODE_FAST_PER_SCALAR ${of_loops})
   axode_instantiate_for_sets(${part}_double axode_${part}_in_double "" ${AXODE_IN_DOUBLE})
+  axode_instantiate_for_sets(${part}_double axode_${part}_loops_double AXODE_T=double ${of_loops})
+  axode_instantiate(${part}_float axode_${part}_loops_float AXODE_T=float ${of_loops})
+  axode_prefer_short_vectors(axode_${part}_in_double)
+  axode_prefer_short_vectors(axode_${part}_loops_double)
   set(instantiate_double axode_instantiate_for_sets)
   set(instantiate_float axode_instantiate)
   foreach(T double float)
