@@ -1,5 +1,6 @@
 # Code for several instruction sets in one library. Sources of kernels are compiled for x86-64, x86-64-v3 and
-# x86-64-v4, or for those of them that this processor has, and mark by AXODE_ENTRY the functions that other code calls (axode/scalar/instruction_set.hpp).
+# x86-64-v4, or for x86-64 and the best one that this processor has. They mark by AXODE_ENTRY the functions that other
+# code calls (axode/scalar/instruction_set.hpp).
 # choose_at_load.cmake joins the objects of a group to one object, in which only these functions are visible:
 # each is a jump to the code of the set that was chosen when the library was loaded. All other functions of
 # the sets are local, so that no linker can use a template that was compiled for AVX-512 in other code.
@@ -18,7 +19,7 @@ if(AXODE_NATIVE OR AXODE_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL Debug)
   set(wanted OFF)
 endif()
 set(AXODE_INSTRUCTION_SETS ${wanted} CACHE STRING
-    "Compile kernels for x86-64, x86-64-v3 and x86-64-v4 (ON), or for those that this processor has (host); the library chooses when it is loaded")
+    "Compile kernels for x86-64, x86-64-v3 and x86-64-v4 (ON), or for x86-64 and the best one of this processor (host); the library chooses when it is loaded")
 string(TOUPPER "${AXODE_INSTRUCTION_SETS}" word)
 if(NOT AXODE_INSTRUCTION_SETS STREQUAL host AND NOT word MATCHES "^(ON|OFF|TRUE|FALSE|YES|NO|Y|N|1|0)$")
   message(FATAL_ERROR "AXODE_INSTRUCTION_SETS is \"${AXODE_INSTRUCTION_SETS}\"; it must be ON, OFF or host")
@@ -30,15 +31,16 @@ if(AXODE_INSTRUCTION_SETS AND NOT possible)
   message(FATAL_ERROR "AXODE_INSTRUCTION_SETS needs x86-64, ELF, GNU ld, objcopy and readelf; configure with -DAXODE_INSTRUCTION_SETS=OFF")
 endif()
 
-set(axode_sets x86-64 x86-64-v3 x86-64-v4)
+set(all_sets x86-64 x86-64-v3 x86-64-v4)
+set(axode_sets ${all_sets})
 if(AXODE_INSTRUCTION_SETS STREQUAL host)
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -march=native -dM -E -x c++ /dev/null OUTPUT_VARIABLE has
                   COMMAND_ERROR_IS_FATAL ANY)
-  if(NOT has MATCHES "__AVX512VL__")
-    list(REMOVE_ITEM axode_sets x86-64-v4)
-  endif()
-  if(NOT has MATCHES "__AVX2__")
-    list(REMOVE_ITEM axode_sets x86-64-v3)
+  set(axode_sets x86-64)
+  if(has MATCHES "__AVX512VL__")
+    list(APPEND axode_sets x86-64-v4)
+  elseif(has MATCHES "__AVX2__")
+    list(APPEND axode_sets x86-64-v3)
   endif()
 endif()
 if(NOT AXODE_INSTRUCTION_SETS)
@@ -50,8 +52,13 @@ if(NOT AXODE_INSTRUCTION_SETS)
   endif()
   set(of_sets "AXODE_ONLY_SET=\"${only_set}\"")
 else()
-  list(LENGTH axode_sets n)
-  set(of_sets AXODE_SETS=${n})
+  set(numbers)
+  foreach(set IN LISTS axode_sets)
+    list(FIND all_sets ${set} number)
+    list(APPEND numbers ${number})
+  endforeach()
+  list(JOIN numbers , numbers)
+  set(of_sets AXODE_SETS=${numbers})
 endif()
 set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/scalar/instruction_set.cpp PROPERTIES COMPILE_DEFINITIONS "${of_sets}")
 

@@ -9,13 +9,13 @@ namespace axode {
 namespace {
 
 #ifdef AXODE_ONLY_SET
-constexpr std::size_t compiled = 1;
+constexpr std::size_t compiled[]{0};
 constexpr const char* names[]{AXODE_ONLY_SET};
 constexpr char all_names[] = AXODE_ONLY_SET ", for which this library is compiled";
 
 bool processor_has(std::size_t) { return true; }
 #else
-constexpr std::size_t compiled = AXODE_SETS;
+constexpr std::size_t compiled[]{AXODE_SETS};  // indices in `names`
 constexpr const char* names[]{"x86-64", "x86-64-v3", "x86-64-v4"};
 constexpr const char all_names[] = "x86-64, x86-64-v3 or x86-64-v4";
 
@@ -31,29 +31,32 @@ bool processor_has(std::size_t set) {
 }
 #endif
 
-/// The chosen instruction set. `set` is its index in the list `names`, which begins with the smallest set;
-/// the library has code for the first `compiled` of them. `fault` says why AXODE_INSTRUCTION_SET was not
-/// used; it is empty if the variable was used or is not set.
+/// The chosen instruction set. `code` is its index in the list `compiled` of the sets for which the library
+/// has code; both lists, `compiled` and `names`, begin with the smallest set. `fault` says why
+/// AXODE_INSTRUCTION_SET was not used; it is empty if the variable was used or is not set.
 struct Choice {
-  std::size_t set = compiled - 1;
+  std::size_t code = std::size(compiled) - 1;
   std::string fault;
+
+  const char* name() const { return names[compiled[code]]; }
 };
 
 Choice choose() {
   Choice best;
-  while (!processor_has(best.set)) --best.set;
+  while (!processor_has(compiled[best.code])) --best.code;
   const char* const wanted = std::getenv("AXODE_INSTRUCTION_SET");
   if (wanted == nullptr) return best;
   const std::string message = "AXODE_INSTRUCTION_SET is \"" + std::string(wanted) + "\"; ";
   for (std::size_t set = 0; set < std::size(names); ++set) {
     if (names[set] != std::string(wanted)) continue;
-    if (set <= best.set) return {set, ""};
-    if (processor_has(set))
-      return {best.set, message + "this library has no code for it, but for " + names[best.set]};
-    return {best.set,
-            message + "this processor does not have it, the best set that it has is " + names[best.set]};
+    if (!processor_has(set))
+      return {best.code,
+              message + "this processor does not have it; the best one with code here is " + best.name()};
+    for (std::size_t code = 0; code < std::size(compiled); ++code)
+      if (compiled[code] == set) return {code, ""};
+    return {best.code, message + "this library has no code for it, but for " + best.name()};
   }
-  return {best.set, message + "it must be " + all_names};
+  return {best.code, message + "it must be " + all_names};
 }
 
 /// The choice of an instruction set, which is made once, when the library is loaded.
@@ -66,14 +69,14 @@ const Choice& choice() {
 
 const char* instruction_set() {
   if (!choice().fault.empty()) throw std::invalid_argument(choice().fault);
-  return names[choice().set];
+  return choice().name();
 }
 
 /// Chooses the code for the present instruction set when the library is loaded. of_sets[k] has the addresses
-/// of n functions that were compiled for instruction set k; the addresses for the chosen set are copied to
-/// `chosen`.
+/// of n functions that were compiled for instruction set compiled[k]; the addresses for the chosen set are
+/// copied to `chosen`.
 extern "C" void axode_choose_entries(const void** chosen, const void* const* const* of_sets, std::size_t n) {
-  const void* const* const entries = of_sets[choice().set];
+  const void* const* const entries = of_sets[choice().code];
   for (std::size_t k = 0; k < n; ++k) chosen[k] = entries[k];
 }
 
