@@ -1,6 +1,4 @@
 #pragma once
-#include <ranges>
-
 #include "axode/recursion/forward_kinematics.hpp"
 #include "axode/recursion/solvability.hpp"
 
@@ -251,7 +249,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   /// incomplete.
   template <TreeOf<T> AnyTree> bool eliminate_fast(const AnyTree& tree, const T* armature) noexcept {
     for (int i = 0; i <= tree->n; ++i) M[i] = {};
-    for (const int i : std::views::reverse(tree->by_depth)) {
+    for (auto k = tree->by_depth.rbegin(); k != tree->by_depth.rend(); ++k) {
+      const int i = *k;
       ArticulatedInertia<Rep, T> left = articulated(links.link[i], M_body[i]);
       left += M[i];  // those of the bodies that joints connect to body i
       const int first = tree->first_screw[i];

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ranges>
 
 #include "axode/constraints/loop_system/rows_in_lanes.hpp"
 #include "axode/scalar/index.hpp"
@@ -135,8 +134,8 @@ void ContactSystem::find_path(int a, int b) {
   }
   support_.clear();
   const auto add = [&](int c, const double&, const double&) { support_.push_back(c); };
-  for (const PathBody& on_path : std::views::reverse(path_))
-    loops_.bodies().each_pivot(tree(), on_path.body, add);
+  for (auto on_path = path_.rbegin(); on_path != path_.rend(); ++on_path)
+    loops_.bodies().each_pivot(tree(), on_path->body, add);
   loops_.bodies().each_pivot(tree(), 0, add);
   if (is_coupled()) std::ranges::sort(support_);
   for (std::size_t k = 0; k < support_.size(); ++k) place_[index(support_[k])] = static_cast<int>(k);
