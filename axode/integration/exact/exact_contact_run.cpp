@@ -18,7 +18,7 @@ constexpr double reserve_rounding = 5e-14;
 /// Events with a smaller distance occur together, s.
 constexpr double at_once = 5e-13;
 /// The least step that is divided, as a part of the duration of the motion.
-constexpr double shortest = 1e-11;
+constexpr double least_divided = 1e-11;
 /// Part of the resolution of places below which a flight is not followed.
 constexpr double unresolved_part = 0.1;
 /// The multiple of the resolution of velocities that counts as rest.
@@ -186,7 +186,7 @@ Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& 
   if (Failure failure = find_event(t_1, end, found, marks, attempt)) return failure;
   // A step that is shortened for these reasons is repeated with its error estimate.
   step_limit_ = before_turn(t_1, found, marks);
-  if (t_1 - t_0 > shortest * last_ && is_beyond_a_root(found, marks.slips.size()))
+  if (t_1 - t_0 > least_divided * last_ && is_beyond_a_root(found, marks.slips.size()))
     step_limit_ = t_0 + (t_1 - t_0) / 2;
   if (step_limit_ < t_1) return {};
   std::vector<ClosedConstraint> next;
