@@ -189,27 +189,22 @@ void ContactSystem::add_contact(const Contact& contact, int& compliance) {
                                                         surface.rolling_friction,
                                                         surface.rolling_friction};
   std::copy_n(factors.begin(), contact_rows_, problem_.c.end() - contact_rows_);
-  switch (contact_rows_) {
-    case 3: add_rows<3>(contact, J, Y); break;
-    case 4: add_rows<4>(contact, J, Y); break;
-    default: add_rows<6>(contact, J, Y);
-  }
+  add_rows(contact, J, Y);
   if (compliant) support_.pop_back();
 }
 
-template <int rows> void ContactSystem::add_rows(const Contact& contact, double* J, double* Y) noexcept {
-  using Lanes = RowsInLanes<double, rows>;
-  const std::size_t width = support_.size();
+void ContactSystem::add_rows(const Contact& contact, double* J, double* Y) noexcept {
+  const std::size_t width = support_.size(), rows = index(contact_rows_);
   const ContactFrame frame = contact_frame(contact.normal);
   const std::array axes{frame.n, frame.t1, frame.t2};
-  std::array<Wrench<Spatial>, LawBlock::most_rows> on_a, on_b;
+  WrenchesOfRows on_a{}, on_b{};
   for (std::size_t k = 0; k < rows; ++k) {
     const Wrench<Spatial> force{{}, axes[k % 3]}, moment{axes[k % 3], {}};
     on_a[k] = at_root(contact.a, contact.point, k < 3 ? -force : -moment);
     on_b[k] = at_root(contact.b, contact.point, k < 3 ? force : moment);
   }
-  const auto& bodies = loops_.bodies();
   if (is_coupled()) {
+    const auto& bodies = loops_.bodies();
     for (const auto& [i, side] : path_) {
       if (side == 0) continue;
       const auto& on_body = side > 0 ? on_b : on_a;
@@ -222,10 +217,20 @@ template <int rows> void ContactSystem::add_rows(const Contact& contact, double*
       pull_row(contact.a, contact.b, on_a[k], on_b[k], unit_.data(), Y);
     return;
   }
-  // One sweep for all rows of the contact. What remains of the wrenches on a and b adds up where their paths
-  // meet.
-  const Lanes of_a(on_a, 0), of_b(on_b, 0);
-  Lanes left_of_a = of_a, left_of_b = of_b;
+  each_register_of_rows<double>(contact_rows_, [&](int first, auto n) {
+    const std::size_t at = index(first) * width;
+    add_rows_in_lanes<n()>(on_a, on_b, first, J + at, Y + at);
+  });
+}
+
+template <int n>
+void ContactSystem::add_rows_in_lanes(const WrenchesOfRows& on_a, const WrenchesOfRows& on_b, int first,
+                                      double* J, double* Y) noexcept {
+  using Lanes = RowsInLanes<double, n>;
+  const std::size_t width = support_.size();
+  const auto& bodies = loops_.bodies();
+  const Lanes of_a(on_a, first), of_b(on_b, first);
+  Lanes left_of_a = of_a, left_of_b = of_b;  // what remains of them adds up where the paths meet
   bool met = false;
   for (const auto& [i, side] : path_) {
     if (side == 0 && !met) {
@@ -241,12 +246,12 @@ template <int rows> void ContactSystem::add_rows(const Contact& contact, double*
       const double scale = root(c);
       if (side != 0) {
         const auto entry = dot(of.m, w) + dot(of.f, v);
-        for (std::size_t k = 0; k < rows; ++k) J[at + k * width] = entry[k];
+        for (std::size_t k = 0; k < n; ++k) J[at + k * width] = entry[k];
       }
       const auto u = dot(left.m, w) + dot(left.f, v);
-      std::array<double, rows> y;
-      left.eliminate(u, scale, y.data(), scale * scale * u, bodies.U[s].m, bodies.U[s].f);
-      for (std::size_t k = 0; k < rows; ++k) Y[at + k * width] = y[k];
+      std::array<double, n> y;
+      left.eliminate(u, scale, y.data(), scale * (scale * u), bodies.U[s].m, bodies.U[s].f);
+      for (std::size_t k = 0; k < n; ++k) Y[at + k * width] = y[k];
     });
   }
 }

@@ -200,7 +200,15 @@ class AXODE_ENTRY ContactSystem {
   /// unknown, unless Contact::normal_impulse has its impulse. `compliance` is the index of this unknown, and
   /// is then increased.
   void add_contact(const Contact& contact, int& compliance);
-  template <int rows> void add_rows(const Contact& contact, double* J, double* Y) noexcept;
+  void add_rows(const Contact& contact, double* J, double* Y) noexcept;
+  /// The wrenches on a body for unit multipliers of the rows of a contact.
+  using WrenchesOfRows = std::array<Wrench<Spatial>, LawBlock::most_rows>;
+  /// Computes rows `first` to `first` + n - 1 of the Jacobian of a contact and their columns of Y, in the
+  /// lanes of a register, by one sweep along the paths that find_path() has found. The tree must not have
+  /// coupled joints.
+  template <int n>
+  void add_rows_in_lanes(const WrenchesOfRows& on_a, const WrenchesOfRows& on_b, int first, double* J,
+                         double* Y) noexcept;
   void add_unit_row(ContactLaw law, int velocity, double side, double bound);
   void add_loops(const double* q);
   /// Expresses a wrench W on a body, whose moment is about `point`, about the origin of the root body (the
