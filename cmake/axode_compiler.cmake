@@ -46,8 +46,10 @@ function(axode_compile_options target)
   if(AXODE_NATIVE)
     target_compile_options(${target} PRIVATE -march=native -mprefer-vector-width=512)
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-      # GCC warns about its own AVX-512 header (GCC bug 105593).
-      target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-uninitialized)
+      # GCC warns about its own AVX-512 header (GCC bug 105593), and sees AVX-512 loads of Eigen's leave their
+      # arrays in branches that are never taken.
+      target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-uninitialized -Wno-array-bounds
+                                               -Wno-stringop-overread -Wno-stringop-overflow)
     endif()
   endif()
   if(AXODE_SANITIZE)
