@@ -233,10 +233,15 @@ template <class T> struct SecondOrderTensors {
           clears = false;
       } else {
         const Number index = columns_from(c);
-        const Entries l = below(k, c), r = after ? above<true>(k, c) : above<false>(k, c);
         const auto is_before = index < Number(T(begin[k]));
-        x = {select(is_before, l.qq, r.qq), select(is_before, l.qv, r.qv), select(is_before, l.vv, r.vv),
-             select(index < Number(T(next[k])), l.aq, r.aq)};
+        x = after ? above<true>(k, c) : above<false>(k, c);
+        if (after || c < begin[k]) {
+          const Entries l = below(k, c);
+          x = {select(is_before, l.qq, x.qq), select(is_before, l.qv, x.qv), select(is_before, l.vv, x.vv),
+               select(index < Number(T(next[k])), l.aq, x.aq)};
+        } else {  // no χ differs from 0 within the joint
+          x.aq = select(index < Number(T(next[k])), zero, x.aq);
+        }
         if (several) {
           const Wrench<Spatial, Number> W{spread<Number, T>(of_joint.m), spread<Number, T>(of_joint.f)};
           x.vv = x.vv + select(is_before || Number(T(next[k])) <= index, zero, W | column.load6(S, c));
