@@ -478,7 +478,7 @@ template <class G, class T> struct FastArticulatedBodies {
     const Number D = dot(b.n, U_m) + Number(T(armature[tree->iv[i]])), D_inv = Number(T(1)) / D;
     maybe_singular = maybe_singular || !(value(D) > floor_of(tree, tree->first_screw[i]));
     const Vector moved = U_m + cross(Factor(b.r), Factor(U_f));
-    M = shifted(M, b.r);
+    shift(M, b.r);
     const Vector K_m = D_inv * moved, K_f = D_inv * U_f;
     eliminate(M, moved, U_f, K_m, K_f);
     Pivot& c = pivot[tree->first_screw[i]];
@@ -508,7 +508,7 @@ template <class G, class T> struct FastArticulatedBodies {
         eliminate(M, U_m, U_f, c[k].K_m, c[k].K_f);
       }
     });
-    M = shifted(M, b.r);
+    shift(M, b.r);
   }
 };
 

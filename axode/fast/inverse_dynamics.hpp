@@ -17,22 +17,13 @@ template <class G, class T> struct FastInverseDynamics {
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
   using Matrix = typename G::Matrix;
+  using Forms = typename G::Forms;
   /// Angular velocity ω, angular acceleration ω' and acceleration r'' of the origin of a body, in the axes of
-  /// its joint frame. For packed vectors, w_each and dw_each are ω and ω' with each component repeated in all
-  /// lanes of a register, for products with matrices; w_ and dw_ are cyclic permutations of ω and ω', for
-  /// cross products.
+  /// its joint frame. Their members are assigned one by one, because GCC copies structures of many registers
+  /// by calls of memcpy().
   struct Motion {
-    Vector w, dw, a;
-    Spread w_each, dw_each;
-    Factor w_, dw_;
-    Motion(const Vector& angular_velocity, const Vector& angular_acceleration, const Vector& acceleration)
-        : w(angular_velocity),
-          dw(angular_acceleration),
-          a(acceleration),
-          w_each(w),
-          dw_each(dw),
-          w_(w),
-          dw_(dw) {}
+    Forms w, dw;
+    Vector a;
   };
   struct Body {
     Matrix R;     ///< rotation relative to the predecessor
@@ -61,7 +52,7 @@ template <class G, class T> struct FastInverseDynamics {
   [[gnu::always_inline]] void forward(const Tree<S>& tree, const T* q, const T* v, const T* a,
                                       const Vec3<T>& g, Put&& put) noexcept {
     angles.run(tree, q);
-    Motion last(Vector{}, Vector{}, Vector(-g));
+    Motion last{Forms(Vector{}), Forms(Vector{}), Vector(-g)};
     motion[0] = last;
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];
@@ -74,11 +65,13 @@ template <class G, class T> struct FastInverseDynamics {
         const auto Rt = body_i.rows(s, c);
         b.R = body_i.columns(s, c);
         b.r = Vector(body_i.r);
-        const Vector w = Rt * last.w_each;
-        const Vector a_i = last.a + (cross(last.dw_, body_i.r_factor()) +
-                                     cross(last.w_, Factor(cross(last.w_, body_i.r_factor()))));
-        last =
-            Motion(add_z(w, dq), Rt * last.dw_each + add_z(cross_z(w, dq), a[tree->iv[i]]), Rt * Spread(a_i));
+        const Vector w = Rt * last.w.spread();
+        const Vector a_i =
+            last.a + (cross(last.dw.factor(), body_i.r_factor()) +
+                      cross(last.w.factor(), Factor(cross(last.w.factor(), body_i.r_factor()))));
+        last.w = Forms(add_z(w, dq));
+        last.dw = Forms(Rt * last.dw.spread() + add_z(cross_z(w, dq), a[tree->iv[i]]));
+        last.a = Rt * Spread(a_i);
       } else {
         const SE3<T> C = any_joint_pose(tree, i, q);
         const Twist<BodyFixed, T> V = any_joint_twist(tree, i, v), A = any_joint_twist(tree, i, a);
@@ -87,15 +80,18 @@ template <class G, class T> struct FastInverseDynamics {
         b.r = Vector(C.r);
         linear = Vector(V.v);
         const Factor r(b.r), w_J(Vector(V.w)), v_J(linear);
-        const Vector w = Rt * last.w_each, w_i = w + Vector(V.w);
-        const Vector a_i = last.a + (cross(last.dw_, r) + cross(last.w_, Factor(cross(last.w_, r))));
-        last = Motion(w_i, Rt * last.dw_each + (cross(Factor(w), w_J) + Vector(A.w)),
-                      Rt * Spread(a_i) + (cross(Factor(w + w_i), v_J) + Vector(A.v)));
+        const Vector w = Rt * last.w.spread(), w_i = w + Vector(V.w);
+        const Vector a_i =
+            last.a + (cross(last.dw.factor(), r) + cross(last.w.factor(), Factor(cross(last.w.factor(), r))));
+        last.w = Forms(w_i);
+        last.dw = Forms(Rt * last.dw.spread() + (cross(Factor(w), w_J) + Vector(A.w)));
+        last.a = Rt * Spread(a_i) + (cross(Factor(w + w_i), v_J) + Vector(A.v));
       }
       const typename G::Tensor Theta(body_i.Theta);
       const Factor& h = body_i.h_factor();
-      b.f = body_i.m * last.a + (cross(last.dw_, h) + cross(last.w_, Factor(cross(last.w_, h))));
-      b.m = Theta * last.dw_each + (cross(last.w_, Factor(Theta * last.w_each)) + cross(h, Factor(last.a)));
+      const Factor& w = last.w.factor();
+      b.f = body_i.m * last.a + (cross(last.dw.factor(), h) + cross(w, Factor(cross(w, h))));
+      b.m = Theta * last.dw.spread() + (cross(w, Factor(Theta * last.w.spread())) + cross(h, Factor(last.a)));
       if (tree->branches[i]) motion[i] = last;
       put(i, last, linear);
     }

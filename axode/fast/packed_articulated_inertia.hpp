@@ -104,26 +104,29 @@ template <class T>
          M.L.xy - K_f.x * U_f.y, M.L.xz - K_f.x * U_f.z, M.L.yz - K_f.y * U_f.z};
 }
 
-/// The articulated inertia M about another point, in the same axes; r is the vector from that point to the
-/// point about which M is given.
+/// Replaces the articulated inertia M by that about another point, in the same axes; r is the vector from that
+/// point to the point about which M is given.
 template <class T>
-[[gnu::always_inline]] inline PackedArticulatedInertia<T> shifted(const PackedArticulatedInertia<T>& M,
-                                                                  const packed::Vector<T>& r) {
+[[gnu::always_inline]] inline void shift(PackedArticulatedInertia<T>& M, const packed::Vector<T>& r) {
   const packed::Spread<T> s(r);
   const packed::Factor<T> r_(r);
   const auto Bt = minus_product(M.Bt, M.L, s);
-  return {plus_product(minus_product(M.A, M.B, s), r_, Bt), plus_product(M.B, r_, M.L), Bt, M.L};
+  M = {plus_product(minus_product(M.A, M.B, s), r_, Bt), plus_product(M.B, r_, M.L), Bt, M.L};
 }
+// Numbers may be registers with a state in each lane. They are assigned one by one, because GCC copies
+// structures of many registers by calls of memcpy().
 template <class T>
-ArticulatedInertia<Hybrid, T> shifted(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& r) {
+[[gnu::always_inline]] inline void shift(ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& r) {
   const Mat3<T>&B = M.B, G = B + cross(r, matrix(M.L));  // A + r~ Gᵀ + (r~ Bᵀ)ᵀ by its entries
-  return {M.A + Sym3<T>{r.y * (G.z.x + B.z.x) - r.z * (G.y.x + B.y.x),
-                        r.z * (G.x.y + B.x.y) - r.x * (G.z.y + B.z.y),
-                        r.x * (G.y.z + B.y.z) - r.y * (G.x.z + B.x.z),
-                        r.y * G.z.y - r.z * G.y.y + r.z * B.x.x - r.x * B.z.x,
-                        r.y * G.z.z - r.z * G.y.z + r.x * B.y.x - r.y * B.x.x,
-                        r.z * G.x.z - r.x * G.z.z + r.x * B.y.y - r.y * B.x.y},
-          G, M.L};
+  M.A.xx = M.A.xx + (r.y * (G.z.x + B.z.x) - r.z * (G.y.x + B.y.x));
+  M.A.yy = M.A.yy + (r.z * (G.x.y + B.x.y) - r.x * (G.z.y + B.z.y));
+  M.A.zz = M.A.zz + (r.x * (G.y.z + B.y.z) - r.y * (G.x.z + B.x.z));
+  M.A.xy = M.A.xy + (r.y * G.z.y - r.z * G.y.y + r.z * B.x.x - r.x * B.z.x);
+  M.A.xz = M.A.xz + (r.y * G.z.z - r.z * G.y.z + r.x * B.y.x - r.y * B.x.x);
+  M.A.yz = M.A.yz + (r.z * G.x.z - r.x * G.z.z + r.x * B.y.y - r.y * B.x.y);
+  M.B.x = G.x;
+  M.B.y = G.y;
+  M.B.z = G.z;
 }
 
 template <class T>

@@ -134,6 +134,12 @@ template <class T> struct Plain {
   using Spread = Vec3<T>;
   using Matrix = SO3<T>;
   using Tensor = Sym3<T>;
+  struct Forms {
+    Vector vector;
+    explicit constexpr Forms(const Vector& a) : vector(a) {}
+    constexpr const Vector& spread() const { return vector; }
+    constexpr const Vector& factor() const { return vector; }
+  };
 };
 /// The geometry of kernels for T = double or float: a three-vector is one register of four lanes.
 template <class T> struct Packed {
@@ -143,6 +149,18 @@ template <class T> struct Packed {
   using Spread = packed::Spread<T>;
   using Matrix = packed::Matrix<T>;
   using Tensor = packed::Matrix<T>;
+  /// A vector, and the forms of it that products with matrices and cross products need.
+  class Forms {
+   public:
+    Vector vector;
+    explicit Forms(const Vector& a) : vector(a), spread_(a), factor_(a) {}
+    const Spread& spread() const { return spread_; }
+    const Factor& factor() const { return factor_; }
+
+   private:
+    Spread spread_;
+    Factor factor_;
+  };
 };
 
 }  // namespace axode

@@ -76,6 +76,7 @@ template <class Rep, class T> struct ArticulatedBodies {
     joint_columns(tree, links.link, S);
     put_inertias(tree);
   }
+  /// Computes only the rigid inertias `M_body`.
   template <TreeOf<T> AnyTree> void put_inertias(const AnyTree& tree) noexcept {
     for (int i = 1; i <= tree->n; ++i) M_body[i] = links.link[i].inertia(tree.M[i]);
   }

@@ -15,7 +15,10 @@ template <class Rep, class T> struct ArticulatedInertia {
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T>& operator+=(ArticulatedInertia<Rep, T>& a,
                                                  const ArticulatedInertia<Rep, T>& b) {
-  return a = {a.A + b.A, a.B + b.B, a.L + b.L};
+  a.A = a.A + b.A;
+  a.B = a.B + b.B;
+  a.L = a.L + b.L;
+  return a;
 }
 template <class Rep, class T>
 constexpr Wrench<Rep, T> operator*(const ArticulatedInertia<Rep, T>& M, const Twist<Rep, T>& V) {

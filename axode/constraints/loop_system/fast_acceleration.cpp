@@ -103,7 +103,7 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
     const auto& [R_p, r_p, v_p, w_p] = motion[p];
     const auto& b = inverse.fast.body[i];
     const typename Bodies::Matrix R{R_p * Spread(b.R.x), R_p * Spread(b.R.y), R_p * Spread(b.R.z)};
-    const Triple d = R_p * Spread(b.r), w = R * now.w_each;
+    const Triple d = R_p * Spread(b.r), w = R * now.w.spread();
     const Triple r = p > 0 ? r_p + d : Triple{};
     Triple r_dot = v_p + cross(Factor(w_p), Factor(d));
     if (!is_hinge(t, i)) r_dot += R * Spread(v_J);
@@ -111,7 +111,7 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
     if (p == 0) origin_[i] = d;
     link_[i].C = {{R.x, R.y, R.z}, r};
     if (!table_.ends[index(i)]) return;
-    const Triple dw = R * now.dw_each;
+    const Triple dw = R * now.dw.spread();
     const Factor at(r);
     V[i] = {w, r_dot + cross(at, Factor(w))};
     dV[i] = {dw, R * Spread(now.a) + cross(at, Factor(dw)) + cross(Factor(r_dot), Factor(w))};
