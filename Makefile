@@ -52,11 +52,11 @@ nightly: build/venv/tests ## What takes hours: Clang, sanitizers on everything, 
 	@tools/install_dependencies.sh nightly
 	@python3 tools/run_all_tests.py --nightly --jobs $(JOBS)
 
-bench: python build/venv/tests ## Measure every function beside its peers, with GCC, with Clang, as installed and from Python; redraws docs/performance.svg
+bench: python build/venv/tests ## Measure every function beside its peers, with GCC, with Clang, as installed and from Python; rewrites docs/performance.md and .svg
 	for preset in bench bench-clang bench-installed; do \
 	  cmake --preset $$preset && cmake --build --preset $$preset --parallel $(JOBS) || exit 1; done
-	build/venv/bin/python tools/benchmark.py build/bench build/bench-clang --plot docs/performance.svg
-	build/venv/bin/python tools/benchmark.py build/bench-installed --output build/bench-installed/ratios.json
+	build/venv/bin/python tools/benchmark.py build/bench build/bench-clang --plot docs/performance.svg --page docs/performance.md
+	build/venv/bin/python tools/benchmark.py build/bench-installed --output build/bench-installed/ratios.json --page docs/performance.md
 	build/bench/bench/inverse_kinematics
 	build/venv/bin/python bench/python_calls.py
 	tools/client_compile_time.sh
