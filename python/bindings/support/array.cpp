@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "python/bindings/support/text.hpp"
 
@@ -147,19 +148,26 @@ Array NewArray::transposed() {
 }
 
 Array NewArray::part(nb::ssize_t k, int axes, bool columns) const {
-  const PyArrayObject* all = as_array(array_.ptr());
+  PyArrayObject* all = as_array(array_.ptr());
   const int axis = PyArray_NDIM(all) - axes - 1;
-  Shape shape{};
-  nb::ssize_t outer = 1, inner = 1;
+  Shape shape{}, strides{};
   for (int each = 0; each < PyArray_NDIM(all); ++each) {
     if (each == axis) continue;
     shape.length[static_cast<std::size_t>(shape.axes++)] = PyArray_DIM(all, each);
-    (each < axis ? outer : inner) *= PyArray_DIM(all, each);
+    strides.length[static_cast<std::size_t>(strides.axes++)] = PyArray_STRIDE(all, each);
   }
-  NewArray one(shape);
-  for (nb::ssize_t o = 0; o < outer; ++o)
-    std::copy_n(data_ + (o * PyArray_DIM(all, axis) + k) * inner, inner, one.data() + o * inner);
-  return columns ? one.transposed() : one.array();
+  if (columns) {
+    const auto last = static_cast<std::size_t>(shape.axes - 1);
+    std::swap(shape.length[last], shape.length[last - 1]);
+    std::swap(strides.length[last], strides.length[last - 1]);
+  }
+  nb::object view =
+      nb::steal(PyArray_New(&PyArray_Type, shape.axes, shape.length.data(), NPY_DOUBLE, strides.length.data(),
+                            static_cast<char*>(PyArray_DATA(all)) + k * PyArray_STRIDE(all, axis), 0,
+                            NPY_ARRAY_WRITEABLE, nullptr));
+  if (!view.is_valid() || PyArray_SetBaseObject(as_array(view.ptr()), nb::object(array_).release().ptr()) < 0)
+    throw nb::python_error();
+  return {shape.axes > 0 ? std::move(view) : nb::steal(PyArray_Return(as_array(view.release().ptr())))};
 }
 
 double number(const std::string& name, nb::handle given) {

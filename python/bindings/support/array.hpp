@@ -78,7 +78,8 @@ class NewArray {
   Array array();  ///< the array, or a number if it has no axes
   /// The array with its last two axes exchanged, as a matrix that was written column by column needs it.
   Array transposed();
-  /// A new array: entry k along the axis before the last `axes` axes, transposed if `columns` is true.
+  /// Entry k along the axis before the last `axes` axes, transposed if `columns` is true. It is a view of this
+  /// array, because copies of large results take as long as to compute them.
   Array part(nb::ssize_t k, int axes, bool columns = false) const;
 
  private:
