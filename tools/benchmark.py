@@ -24,7 +24,7 @@ from collections import defaultdict
 from pathlib import Path
 
 import chart
-from page import Page
+from page import Page, processor
 
 PEERS = ["pinocchio", "lcaba", "mujoco"]  # lcaba: Pinocchio's other way to solve mechanisms with loops
 COMPILED_BY_ITS_MAKERS = {"mujoco": "wheel"}  # peers that have a table of their own
@@ -45,7 +45,7 @@ TABLES = {"dynamics": ("pinocchio", DYNAMICS),
           "derivatives": ("pinocchio", PANELS["derivatives"]),
           "MuJoCo": ("mujoco", [*DYNAMICS, "poses", "body_jacobians"])}
 INSTALLED = [*PANELS["dynamics"], "poses", *PANELS["derivatives"][:2]]
-# What the summary of the page calls a group of functions, for each of which it has a range of ratios.
+# The summary of the page has a row for each of these groups of functions, with the range of their ratios.
 SUMMARY = {"inverse dynamics": ["inverse_dynamics"], "forward dynamics": ["forward_dynamics"],
            "mass matrix; its inverse": ["mass_matrix", "inverse_mass_matrix"],
            "poses": ["poses"], "Jacobians of all joints": ["joint_jacobians"],
@@ -129,8 +129,8 @@ def print_table(rows):
 
 def print_beside(peer, rows):
     """Our fast variants: a row for each model, a column for each function."""
-    cells = {(row["model"], row["function"]): f"{row['ours_ns']:.0f} / {row['peer_ns']:.0f} = {row['ratio']:.2f}"
-             for row in rows if row["peer"] == peer and FAST.get(row["function"]) == row["variant"]}
+    cells = {(row["model"], row["function"]): cell(row) for row in rows
+             if row["peer"] == peer and FAST.get(row["function"]) == row["variant"]}
     if not cells:
         return
     functions = [function for function in FAST if any(function == key[1] for key in cells)]
@@ -146,12 +146,11 @@ def cell(row):
 
 def where_and_when(builds, repetitions):
     """A sentence for the page: date, machine and compilers of a run."""
-    cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8"))
     flags = Path("/proc/cpuinfo").read_text(encoding="utf-8").split()
     wide = "AVX-512" if "avx512f" in flags else "AVX2" if "avx2" in flags else "SSE2"
     compilers = [subprocess.run([cached(build, "CMAKE_CXX_COMPILER"), "--version"], check=True, capture_output=True,
                                 text=True).stdout.splitlines()[0] for build in builds]
-    return (f"Measured on {datetime.date.today()} on {os.cpu_count()} cores ({cpu[1] if cpu else 'unknown'}, {wide}) with "
+    return (f"Measured on {datetime.date.today()} on {os.cpu_count()} cores ({processor()}, {wide}) with "
             f"{' and '.join(compilers)}: medians of {repetitions} interleaved repetitions over 64 states, in ns.\n")
 
 

@@ -22,7 +22,7 @@ import tempfile
 from pathlib import Path
 
 from make_chain import drawing
-from page import Page, table
+from page import Page, processor, table
 
 SOURCE = Path(__file__).resolve().parents[1]
 MODELS = ["chain7", "chain36", "arm7", "humanoid"]
@@ -238,10 +238,8 @@ def second_processor(command, folder, page):
                 f"{first[model, 'joint', name] / first[model, 'joint', 'body']:.2f} · "
                 f"{least(model, algorithm, name) / least(model, algorithm, 'body'):.2f}" if name != "body" else
                 f"{first[model, 'joint', name]:.2f} · {least(model, algorithm, name):.2f} µs" for model in models])
-    cpuinfo = Path("/proc/cpuinfo").read_text(encoding="utf-8")
-    processor = next(line.split(":")[1].strip() for line in cpuinfo.splitlines() if line.startswith("model name"))
     return table(["algorithm", "representation", *models], lines, "--:::") + (
-        f"\nThe second numbers are of an {processor}, {datetime.date.today()}.\n")
+        f"\nThe second numbers are of an {processor()}, {datetime.date.today()}.\n")
 
 
 def main():

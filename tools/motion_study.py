@@ -9,7 +9,6 @@ are those of the processor, in which other programs do not count. `cost` needs M
 
 import argparse
 import os
-import re
 import statistics
 import sys
 import time
@@ -18,7 +17,7 @@ from pathlib import Path
 import axode
 import chart
 import numpy as np
-from page import Page
+from page import Page, processor
 
 METHODS = ["dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6", "rk4_momenta"]
 
@@ -445,8 +444,7 @@ def medians(calls, repetitions=9):
 
 
 def machine():
-    cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8"))
-    return f"{cpu[1] if cpu else 'unknown'}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
+    return f"{processor()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
 
 
 def peer(m, step):

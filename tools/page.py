@@ -1,6 +1,7 @@
 """Pages of docs/ of which a command writes parts, each between `<!-- name -->` and `<!-- end -->`."""
 
 import re
+from pathlib import Path
 
 
 class Page:
@@ -39,3 +40,9 @@ def table(header, rows, columns):
     """The text of a table. `columns` has a sign for each column: - for words, : for numbers."""
     lines = [header, ["---" if column == "-" else "--:" for column in columns], *rows]
     return "".join("| " + " | ".join(str(cell) for cell in line) + " |\n" for line in lines)
+
+
+def processor():
+    """The name of the processor of this machine."""
+    cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8"))
+    return cpu[1] if cpu else "unknown"

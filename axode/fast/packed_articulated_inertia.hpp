@@ -104,8 +104,8 @@ template <class T>
          M.L.xy - K_f.x * U_f.y, M.L.xz - K_f.x * U_f.z, M.L.yz - K_f.y * U_f.z};
 }
 
-/// Replaces the articulated inertia M by that about another point, in the same axes; r is the vector from that
-/// point to the point about which M is given.
+/// Replaces the articulated inertia M by that about another point, in the same axes. r is the vector from
+/// that point to the point about which M is given.
 template <class T>
 [[gnu::always_inline]] inline void shift(PackedArticulatedInertia<T>& M, const packed::Vector<T>& r) {
   const packed::Spread<T> s(r);

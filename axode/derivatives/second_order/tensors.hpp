@@ -214,50 +214,47 @@ template <class T> struct SecondOrderTensors {
   /// Writes row k of the four matrices of component i of τ, n numbers each, to `to`, for two columns on one
   /// path. Lanes beyond the end of the row overwrite what follows it, at most `room` numbers from `to` on.
   void write_row(int i, int k, int n, const Row& to, std::ptrdiff_t room) noexcept {
-    const bool after = k >= next[i], several = next[k] - begin[k] > 1;
-    Wrench<Spatial, T> of_joint{};
-    if (several) of_joint = bracket(i, k);
     const Number zero(T(0));
     for (int c = 0; c < n; c += L::width) {
-      Entries x{zero, zero, zero, zero};
-      bool clears = true;
-      if (c >= next[k]) {
-        if (c < end[k] && live[c / L::width])
-          x = after ? above<true>(k, c) : above<false>(k, c);
-        else
-          clears = false;
-      } else if (c + L::width <= begin[k]) {
-        if (last_end[c / L::width] > k)
-          x = below(k, c);
-        else
-          clears = false;
-      } else {
-        const Number index = columns_from(c);
-        const auto is_before = index < Number(T(begin[k]));
-        x = after ? above<true>(k, c) : above<false>(k, c);
-        if (after || c < begin[k]) {
-          const Entries l = below(k, c);
-          x = {select(is_before, l.qq, x.qq), select(is_before, l.qv, x.qv), select(is_before, l.vv, x.vv),
-               select(index < Number(T(next[k])), l.aq, x.aq)};
-        } else {  // no χ differs from 0 within the joint
-          x.aq = select(index < Number(T(next[k])), zero, x.aq);
-        }
-        if (several) {
-          const Wrench<Spatial, Number> W{spread<Number, T>(of_joint.m), spread<Number, T>(of_joint.f)};
-          x.vv = x.vv + select(is_before || Number(T(next[k])) <= index, zero, W | column.load6(S, c));
-        }
-      }
-      if (clears) {
-        const auto outside = ends_from(c) <= Number(T(k)) || Number(T(end[k])) <= columns_from(c);
-        x = {select(outside, zero, x.qq), select(outside, zero, x.qv), select(outside, zero, x.vv),
-             select(outside, zero, x.aq)};
-      }
+      const Entries x = reaches(k, c) ? entries(i, k, c) : Entries{zero, zero, zero, zero};
       const int left = static_cast<int>(std::min<std::ptrdiff_t>(room - c, L::width));
       L::store(x.qq, to.qq + c, left);
       L::store(x.qv, to.qv + c, left);
       L::store(x.vv, to.vv + c, left);
       L::store(x.aq, to.aq + c, left);
     }
+  }
+  /// Whether an entry of row k in the columns c, c + 1, ... of a block can differ from 0.
+  bool reaches(int k, int c) const {
+    if (c >= next[k]) return c < end[k] && live[c / L::width];
+    return c + L::width > begin[k] || last_end[c / L::width] > k;
+  }
+  /// The entries of row k in the columns c, c + 1, ..., 0 for columns that are not on one path with column k.
+  [[gnu::always_inline]] Entries entries(int i, int k, int c) const {
+    const bool after = k >= next[i];
+    Entries x = c + L::width <= begin[k] ? below(k, c) : after ? above<true>(k, c) : above<false>(k, c);
+    if (c < next[k] && c + L::width > begin[k]) take_joint(i, k, c, x);
+    const Number zero(T(0));
+    const auto outside = ends_from(c) <= Number(T(k)) || Number(T(end[k])) <= columns_from(c);
+    return {select(outside, zero, x.qq), select(outside, zero, x.qv), select(outside, zero, x.vv),
+            select(outside, zero, x.aq)};
+  }
+  /// Corrects the entries x of row k in the columns c, c + 1, ..., which above() has computed, for columns
+  /// before the joint of the row and for those of this joint.
+  [[gnu::always_inline]] void take_joint(int i, int k, int c, Entries& x) const {
+    const Number index = columns_from(c), zero(T(0));
+    const auto is_before = index < Number(T(begin[k])), is_after = Number(T(next[k])) <= index;
+    if (k >= next[i] || c < begin[k]) {
+      const Entries l = below(k, c);
+      x = {select(is_before, l.qq, x.qq), select(is_before, l.qv, x.qv), select(is_before, l.vv, x.vv),
+           select(is_after, x.aq, l.aq)};
+    } else {  // no χ differs from 0 within the joint
+      x.aq = select(is_after, x.aq, zero);
+    }
+    if (next[k] - begin[k] == 1) return;
+    const Wrench<Spatial, T> of_joint = bracket(i, k);
+    const Wrench<Spatial, Number> W{spread<Number, T>(of_joint.m), spread<Number, T>(of_joint.f)};
+    x.vv = x.vv + select(is_before || is_after, zero, W | column.load6(S, c));
   }
   /// The entries (D2.8) in row k and the columns c, c + 1, ... for columns after the joint of the row. Those
   /// by (q, q), (q, v) and (v, v) hold for columns of the same joint as well, but for bracket(). `after` says
@@ -290,10 +287,10 @@ template <class T> struct SecondOrderTensors {
     return sum;
   }
 
-  /// The wrench whose power on S_l is to be added to the derivative of component i of τ by the velocities of
-  /// the screws S_k and S_l, if both are of one joint. The formula for screws of different joints has the term
-  /// S_k|hat(A) S_l = -S_l|hat(A) S_k with the momentum A of (D2.7), which does not occur within one joint,
-  /// because the velocity of S_k does not move the predecessor of the joint.
+  /// The wrench whose power on S_l is to be added to the derivative of component i of τ by the velocities
+  /// of the screws S_k and S_l, if both are of one joint. The formula for screws of different joints has the
+  /// term S_k|hat(A) S_l = -S_l|hat(A) S_k with the momentum A of (D2.7). This term does not occur within one
+  /// joint, because the velocity of S_k does not move the predecessor of the joint.
   [[gnu::noinline]] Wrench<Spatial, T> bracket(int i, int k) const noexcept {
     const auto screw = [&](int c) { return Motion6<T>{column.get3(S, c), column.get3(S + 3, c)}; };
     if (k < next[i]) return coad(screw(k), Wrench<Spatial, T>{column.get3(U, i), column.get3(U + 3, i)});
