@@ -94,9 +94,9 @@ std::optional<Fault> not_text(std::string_view text, const std::string& file) {
   return std::nullopt;
 }
 
-bool printable(std::string_view name) {
-  return std::none_of(name.begin(), name.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; });
-}
+bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
+
+bool printable(std::string_view name) { return std::none_of(name.begin(), name.end(), is_control); }
 
 Number number(std::string_view text) {
   Number result;
@@ -121,7 +121,7 @@ std::string in_quotes(std::string_view text) {
   while (!text.empty() && shown.size() < longest) {
     const std::size_t length = std::max<std::size_t>(character_length(text), 1);
     const char c = text.front();
-    shown += (c >= 0 && c < ' ') || c == '\x7f' ? std::string(" ") : std::string(text.substr(0, length));
+    shown += is_control(c) ? std::string(" ") : std::string(text.substr(0, length));
     text.remove_prefix(length);
   }
   return '"' + shown + (text.empty() ? "" : "...") + '"';

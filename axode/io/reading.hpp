@@ -44,6 +44,9 @@ Model build(Reading reading, Base base, Strictness strictness);
 /// A fault with its line if a file is not text: it has zero bytes or is not UTF-8; otherwise empty.
 std::optional<Fault> not_text(std::string_view text, const std::string& file);
 
+/// Whether a character is one of ASCII's control characters.
+bool is_control(char c);
+
 /// Whether a name has no control characters, so that it can be printed in a line of text.
 bool printable(std::string_view name);
 

@@ -20,7 +20,8 @@ bool is_bare(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_' || c == '-';
 }
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
-bool is_control(char c) { return (c >= 0 && c < ' ' && c != '\t') || c == '\x7f'; }
+/// Whether a comment or a text must not hold the character.
+bool is_forbidden(char c) { return is_control(c) && c != '\t'; }
 
 /// Reads the number in a word. plain_ collects the characters that were read, without underscores.
 class NumberScan {
@@ -148,7 +149,7 @@ class Parser {
   void skip_comment() {
     if (peek() != '#') return;
     while (!at_end() && peek() != '\n' && !(peek() == '\r' && peek(1) == '\n')) {
-      if (is_control(peek())) fail("a comment must not hold control characters");
+      if (is_forbidden(peek())) fail("a comment must not hold control characters");
       ++at_;
     }
   }
@@ -173,7 +174,8 @@ class Parser {
     std::size_t length = 1;
     while (is_bare(peek(length - 1)) && is_bare(peek(length)) && length < 30) ++length;
     while ((static_cast<unsigned char>(peek(length)) & 0xC0) == 0x80) ++length;  // the rest of a character
-    const bool at_newline = peek() == '\n' || peek() == '\r', beyond_ascii = peek() < 0;
+    const bool at_newline = peek() == '\n' || peek() == '\r',
+               beyond_ascii = static_cast<unsigned char>(peek()) > 0x7f;
     fail("expected " + what + ", found " +
          (at_end()     ? "the end of the file"
           : at_newline ? "the end of the line"
@@ -395,7 +397,7 @@ class Parser {
   }
 
   void character(char quote, std::string& text) {
-    if (is_control(peek())) fail("a text must not hold control characters");
+    if (is_forbidden(peek())) fail("a text must not hold control characters");
     if (peek() == '\\' && quote == '"') {
       ++at_;
       escape(text);
