@@ -30,30 +30,26 @@ template <class T> class Multipliers {
   std::vector<T> own_;
 };
 
-/// Computes the forces M a + h (nv) that the spanning tree needs for the accelerations a, with its mass
-/// matrix M and bias forces h, and updates `system` to the motion (q, v, a). Throws std::invalid_argument for
-/// wrong sizes and loads.
-template <class T>
-Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                              const Loads<T>& loads) {
-  check_size("a", a.size(), v.size(), "nv");
-  check_loads(system.model(), loads, true);
-  Eigen::VectorX<T> need(system.model().nv());
-  system.force(q.data(), v.data(), a.data(), loads, need.data());
-  return need;
-}
-/// Computes the forces M a + h (nv) that the spanning tree needs for the accelerations a, with its mass
-/// matrix M and bias forces h. Throws std::invalid_argument, in double precision, if a does not keep the
-/// loops closed.
-template <class T>
-Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
-                                const Loads<T>& loads) {
-  Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
-  system.make_rows(ConstraintLevel::velocity);
-  if constexpr (std::same_as<T, double>)  // in single precision A a + γ consists of rounding errors
-    check_accelerations(system, q, v, a);
-  return need;
-}
+/// The forces M a + h (nv) that the spanning tree needs for accelerations a, with its mass matrix M and bias
+/// forces h.
+template <class T> struct TreeForces {
+  /// Computes the forces, and updates `system` to the motion (q, v, a).
+  TreeForces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a, const Loads<T>& loads)
+      : need(system.model().nv()) {
+    system.move(q.data(), v.data(), loads, need.data());
+    terms = need.norm();
+    system.force(q.data(), v.data(), a.data(), loads, need.data());
+    terms += need.norm();
+  }
+  /// Subtracts joint forces that act besides those of the drives.
+  void subtract(Numbers<T> forces) {
+    for (Eigen::Index c = 0; c < need.size(); ++c) need[c] -= forces[static_cast<std::size_t>(c)];
+    terms += need.norm();
+  }
+
+  Eigen::VectorX<T> need;
+  T terms;  ///< the sum of the norms of terms that may cancel in `need`
+};
 
 /// Computes drive forces that, together with the constraint forces of the loops, have the same effect on the
 /// motion as given joint forces of the spanning tree, or nearly so (least squares) if no drive forces have.
@@ -61,27 +57,17 @@ Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> 
 /// (D7.10). The kinematics of the LoopSystem must have been updated.
 template <class T> struct DriveForces {
   using Vector = Eigen::VectorX<T>;
-  using Matrix = Eigen::MatrixX<T>;
 
-  DriveForces(LoopSystem<T>& system, const Vector& need, const std::vector<int>& drives)
-      : rows(system, ConstraintLevel::velocity), tau(Vector::Zero(need.size())) {
-    const Matrix N = rows.kernel();
-    const Vector wanted = N.transpose() * need;
-    Matrix NB(N.cols(), static_cast<Eigen::Index>(drives.size()));
-    for (std::size_t k = 0; k < drives.size(); ++k)
-      NB.col(static_cast<Eigen::Index>(k)) = N.row(drives[k]).transpose();
-    Vector u = Vector::Zero(NB.cols());
-    // The columns of N are orthonormal. A drive whose row of N is smaller than this bound is locked by the
-    // loops.
-    constexpr T rounding = RowElimination<T>::rounding;
-    const T largest = NB.size() > 0 ? NB.colwise().norm().maxCoeff() : T(0);
-    if (largest > rounding)
-      u = least_squares(NB.template cast<double>(), wanted.template cast<double>(),
-                        static_cast<double>(rounding / largest))
-              .template cast<T>();
-    for (std::size_t k = 0; k < drives.size(); ++k) tau[drives[k]] += u[static_cast<Eigen::Index>(k)];
-    const T left = (wanted - NB * u).norm(), size = need.norm();
-    missing = size > T(0) ? left / size : T(0);
+  DriveForces(LoopSystem<T>& system, const TreeForces<T>& forces, const std::vector<int>& drives)
+      : rows(system, ConstraintLevel::velocity), tau(Vector::Zero(forces.need.size())) {
+    const Vector& need = forces.need;
+    const Eigen::MatrixXd N = rows.kernel().template cast<double>(), basis = rows.effective_forces(drives);
+    const Eigen::VectorXd wanted = N.transpose() * need.template cast<double>();
+    const Eigen::MatrixXd moving = N(drives, Eigen::indexing::all).transpose() * basis;
+    const Eigen::VectorXd x = least_squares(moving, wanted, 0);
+    tau(drives) = (basis * x).template cast<T>();
+    const T left = static_cast<T>((wanted - moving * x).norm());
+    missing = left > RowElimination<T>::rounding * forces.terms ? left / need.norm() : T(0);
     by_loops = need - tau;
   }
 
@@ -174,9 +160,9 @@ T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
     return T(0);
   }
   const std::vector<int> at = driven(model, drives);
-  Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
-  for (std::size_t c = 0; c < forces.size(); ++c) need[static_cast<Eigen::Index>(c)] -= forces[c];
-  const DriveForces<T> found(system, need, at);
+  TreeForces<T> of_tree(system, q, v, a, loads);
+  if (!forces.empty()) of_tree.subtract(forces);
+  const DriveForces<T> found(system, of_tree, at);
   std::ranges::copy(found.tau, tau.begin());
   if (gears) gears->add(tau);
   if (!lambda.empty()) found.rows.least_multipliers(found.by_loops, lambda);
@@ -191,7 +177,10 @@ void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> 
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
   check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
-  static_cast<void>(tree_forces(system, q, v, a, loads));
+  check_size("a", a.size(), v.size(), "nv");
+  check_loads(model, loads, true);
+  Eigen::VectorX<T> forces(model.nv());
+  system.force(q.data(), v.data(), a.data(), loads, forces.data());
   system.make_rows(ConstraintLevel::velocity);
   write_joint_wrenches<Rep>(model, system, lambda, at, W);
 }
@@ -203,8 +192,13 @@ T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, 
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
   check_gears_driven(model, loads, drives);
-  const std::vector<int> at_drives = driven(model, drives);
-  const DriveForces<T> found(system, closed_forces(system, q, v, a, loads), at_drives);
+  check_size("a", a.size(), v.size(), "nv");
+  check_loads(model, loads, true);
+  const TreeForces<T> of_tree(system, q, v, a, loads);
+  system.make_rows(ConstraintLevel::velocity);
+  if constexpr (std::same_as<T, double>)  // in single precision A a + γ consists of rounding errors
+    check_accelerations(system, q, v, a);
+  const DriveForces<T> found(system, of_tree, driven(model, drives));
   std::vector<T> lambda(static_cast<std::size_t>(model.loops().rows));
   found.rows.least_multipliers(found.by_loops, lambda);
   write_joint_wrenches<Rep>(model, system, Numbers<T>(lambda), at, W);

@@ -1,6 +1,7 @@
 #include "axode/recursion/decompositions.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <stdexcept>
 
@@ -58,6 +59,14 @@ Eigen::MatrixXd kernel_of(const Eigen::Ref<const Eigen::MatrixXd>& A) {
   const Eigen::MatrixXd columns = A.transpose();
   const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ();
   return Q.rightCols(A.cols() - A.rows());
+}
+
+Eigen::MatrixXd range_of(const Eigen::Ref<const Eigen::MatrixXd>& A, double bound) {
+  if (A.size() == 0) return Eigen::MatrixXd(A.rows(), 0);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
+  const auto pivots = qr.matrixQR().diagonal().array().abs();
+  const Eigen::MatrixXd Q = qr.householderQ();
+  return Q.leftCols((pivots > bound).count());
 }
 
 std::vector<std::complex<double>> polynomial_roots(const Eigen::Ref<const Eigen::VectorXd>& c) {

@@ -10,7 +10,7 @@ namespace axode {
 
 template <class T>
 IndependentRows<T>::IndependentRows(LoopSystem<T>& system, ConstraintLevel level, T part)
-    : nv_(system.model().nv()), m_(system.size(level)) {
+    : nv_(system.model().nv()), m_(system.size(level)), part_(part) {
   static_cast<void>(system.factorize());
   system.make_rows(level);
   system.factorize_rows();
@@ -18,6 +18,7 @@ IndependentRows<T>::IndependentRows(LoopSystem<T>& system, ConstraintLevel level
   system.write(dense.data());
   A_ = dense;
   scale_ = system.scale().head(m_);
+  root_ = system.root();
   const Matrix Y = system.Y().leftCols(m_);
   Matrix Q(nv_, std::min(nv_, m_));
   for (int k = 0; k < m_; ++k) {
@@ -46,6 +47,14 @@ template <class T> void IndependentRows<T>::find_dependencies(const Matrix& Y) {
 template <class T> auto IndependentRows<T>::kernel() const -> Matrix {
   const Matrix A = A_(independent, Eigen::indexing::all);
   return kernel_of(A.template cast<double>()).template cast<T>();
+}
+
+template <class T>
+Eigen::MatrixXd IndependentRows<T>::effective_forces(const std::vector<int>& drives) const {
+  const Eigen::MatrixXd A = A_(independent, Eigen::indexing::all).template cast<double>();
+  const Eigen::VectorXd root = root_.template cast<double>();
+  const Eigen::MatrixXd moved = kernel_of(A * root.asDiagonal())(drives, Eigen::indexing::all);
+  return range_of(root(drives).asDiagonal() * range_of(moved, static_cast<double>(part_)), 0);
 }
 
 template <class T> void IndependentRows<T>::least_multipliers(const Vector& f, std::span<T> lambda) const {

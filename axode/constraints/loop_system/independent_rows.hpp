@@ -30,6 +30,11 @@ template <class T> class AXODE_ENTRY IndependentRows {
 
   /// Computes N with A N = 0: an orthonormal basis of the velocities that the loops allow, nv × (nv - rank).
   Matrix kernel() const;
+  /// Computes an orthonormal basis, as columns, of the drive forces that move the mechanism, for drives at
+  /// the velocities `drives`. Forces orthogonal to them only act against each other and against the loops.
+  /// Their number is decided for the velocities D^½ v, on which the unit of length has no influence, with the
+  /// limit for redundant equations.
+  Eigen::MatrixXd effective_forces(const std::vector<int>& drives) const;
 
   /// Computes multipliers λ of the loop equations A v = 0 for which the constraint forces Aᵀ λ approximate
   /// the forces f (nv) best (least squares). If several do, the least Σ d² λ² decides, where d² is the
@@ -45,8 +50,9 @@ template <class T> class AXODE_ENTRY IndependentRows {
   void find_dependencies(const Matrix& Y);
 
   int nv_, m_;
+  T part_;
   Matrix A_;
-  Vector scale_;
+  Vector scale_, root_;
 };
 
 }  // namespace axode
