@@ -67,8 +67,8 @@ Eigen::MatrixXd orthogonal_complement(const Eigen::Ref<const Eigen::MatrixXd>& T
 /// method is the QR decomposition of Aᵀ by reflections.
 Eigen::MatrixXd kernel_of(const Eigen::Ref<const Eigen::MatrixXd>& A);
 
-/// Returns an orthonormal basis, as columns, of all A x. The method is the QR decomposition of A by reflections
-/// with exchanges of columns; pivots of at most `bound` are taken for 0.
+/// Returns an orthonormal basis, as columns, of all A x. The method is the QR decomposition of A by
+/// reflections with exchanges of columns. Pivots of at most `bound` are taken for 0.
 Eigen::MatrixXd range_of(const Eigen::Ref<const Eigen::MatrixXd>& A, double bound);
 
 /// Computes all complex roots of c_0 x^m + ... + c_m (c_0 ≠ 0) as eigenvalues of the companion matrix.
