@@ -57,16 +57,15 @@ Eigen::MatrixXd orthogonal_complement(const Eigen::Ref<const Eigen::MatrixXd>& T
 Eigen::MatrixXd kernel_of(const Eigen::Ref<const Eigen::MatrixXd>& A) {
   if (A.rows() == 0) return Eigen::MatrixXd::Identity(A.cols(), A.cols());
   const Eigen::MatrixXd columns = A.transpose();
-  const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ();
-  return Q.rightCols(A.cols() - A.rows());
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(A.cols(), A.cols()).rightCols(A.cols() - A.rows());
 }
 
 Eigen::MatrixXd range_of(const Eigen::Ref<const Eigen::MatrixXd>& A, double bound) {
   if (A.size() == 0) return Eigen::MatrixXd(A.rows(), 0);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
   const auto pivots = qr.matrixQR().diagonal().array().abs();
-  const Eigen::MatrixXd Q = qr.householderQ();
-  return Q.leftCols((pivots > bound).count());
+  return qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), (pivots > bound).count());
 }
 
 std::vector<std::complex<double>> polynomial_roots(const Eigen::Ref<const Eigen::VectorXd>& c) {
