@@ -99,7 +99,7 @@ TEST(Loops, DoNoWork) {
 // In mechanisms of millimetres the entries of A and of the velocities differ most in size.
 TEST(Loops, InverseDynamicsFindsTheLeastDrivesThatMakeTheAccelerations) {
   Comparison accelerations("a", 1e-7), drives("tau", 1e-8);
-  int passive = 0;
+  int with_passive = 0;
   for_seeds(1000, [&](std::uint64_t seed) {
     Closed closed(Random<double>(seed), {.loops = 1, .scale = 1e-3});
     const auto& [q, v, a, wrenches] = closed.state;
@@ -113,9 +113,9 @@ TEST(Loops, InverseDynamicsFindsTheLeastDrivesThatMakeTheAccelerations) {
     accelerations.expect_equal(a_again, a, 1);
     EXPECT_LT(inverse_dynamics(closed.model, closed.loops, q, v, a_again, tau_again, {}, {}, loads), 1e-9);
     drives.expect_equal(tau_again, tau);
-    passive += largest(closed.tau) == 0;
+    with_passive += std::ranges::count(driven, 0) > 0;
   });
-  EXPECT_GT(passive, 0);
+  EXPECT_GT(with_passive, 0);
 }
 
 TEST(Loops, ThatOthersImplyChangeNoMotion) {
