@@ -1,4 +1,6 @@
 #pragma once
+#include <limits>
+
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/momentum/momentum.hpp"
 #include "axode/eigen.hpp"
@@ -18,7 +20,8 @@ class MomentumSimulationRun : public SimulationRun {
       : SimulationRun(model, q_0, v_0, until, options, damping),
         phase_space_(model),
         bases_(model, q_0.data(), v_0.data(), is_loaded()),
-        p_(model.nv()) {}
+        p_(model.nv()),
+        q_factorized_(Vector::Constant(model.nq(), std::numeric_limits<double>::quiet_NaN())) {}
 
   FloatingBases& bases() { return bases_; }
   /// Writes q, v and p = M v at the start of the motion, relative to the moving frames of the floating bases.
@@ -43,7 +46,12 @@ class MomentumSimulationRun : public SimulationRun {
     phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau, loads(), p.data(), f.data());
     return {};
   }
-  Failure factorize(double t, const Vector& q_t) { return checked(t, phase_space_.factorize(q_t.data())); }
+  Failure factorize(double t, const Vector& q_t) {
+    q_factorized_ = q_t;
+    return checked(t, phase_space_.factorize(q_t.data()));
+  }
+  /// Whether M was last factorised at these coordinates.
+  bool is_factorized_at(const Vector& q_t) const { return q_factorized_ == q_t; }
   void solve(Vector& x) { phase_space_.solve(x.data()); }
   /// Computes v = M⁻¹ p of a state (q, p), and factorises M at q.
   Failure velocity(double t, const Vector& q_t, const Vector& p, Vector& v_t) {
@@ -106,7 +114,7 @@ class MomentumSimulationRun : public SimulationRun {
 
   PhaseSpace phase_space_;
   FloatingBases bases_;
-  Vector q_t_, v_t_, p_;
+  Vector q_t_, v_t_, p_, q_factorized_;
   bool pushes_bases_ = false;
 };
 

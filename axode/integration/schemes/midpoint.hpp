@@ -19,9 +19,10 @@ namespace axode {
 /// Cayley's map the step is (D14.9).
 ///
 /// The iteration for v uses M, factorised once, and then Newton's matrix (D8.6) if the residual r of the
-/// equation for M(q_m) v has not halved in an iteration. It has converged if the next change of v would be a
-/// rounding error, or if r is a rounding error of its terms. With a stiff drive at rest, it has also
-/// converged if the change of v moves q by no more than the rounding error of q.
+/// equation for M(q_m) v has not halved in an iteration. If M is already factorised at q_0, it is used first;
+/// if the residual then falls, but does not halve, M at q_m replaces it. The iteration has converged if the
+/// next change of v would be a rounding error, or if r is a rounding error of its terms. With a stiff drive
+/// at rest, it has also converged if the change of v moves q by no more than the rounding error of q.
 ///
 /// System is the class of the mechanism. It must have the member functions of MomentumSimulationRun that are
 /// called here and in StepMatrix.
@@ -47,7 +48,7 @@ template <class System> class Midpoint {
   /// t. Before the call the member v must contain a first guess of the velocity in the middle of the step.
   /// The results are in the public members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
-    matrix_in_use_ = MatrixKind::none;
+    matrix_in_use_ = system_->is_factorized_at(q0) ? MatrixKind::masses_at_start : MatrixKind::none;
     return iterate(t, h, q0, p0, 0, 0.5);
   }
   /// Computes the step of length h from (q0, p0) at time t with fewer factorisations than run(). The
@@ -102,7 +103,8 @@ template <class System> class Midpoint {
                                 ///< its middle
 
  private:
-  enum class MatrixKind { none, masses, newton };
+  /// The matrix of the iteration: the mass matrix in the middle of the step or at its start, or Newton's.
+  enum class MatrixKind { none, masses_at_start, masses, newton };
 
   /// Iterates for v with the matrix in use: the mass matrix, or Newton's matrix from an earlier call. If the
   /// residual does not fall to the part `least` of itself in an iteration, Newton's matrix is computed at the
@@ -157,9 +159,13 @@ template <class System> class Midpoint {
         return {};
       }
       slowest_ = std::max(slowest_, residual / before);
-      before = residual;
+      const bool diverges = !(residual < before);
+      before = slow ? infinity : residual;
       if (!slow) continue;
-      before = infinity;
+      if (matrix_in_use_ == MatrixKind::masses_at_start && !diverges) {
+        matrix_in_use_ = MatrixKind::none;
+        continue;
+      }
       compute_matrix(t, h, q0);
       least = 0.5;
     }
