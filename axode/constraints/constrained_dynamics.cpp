@@ -33,22 +33,28 @@ template <class T> class Multipliers {
 /// The forces M a + h (nv) that the spanning tree needs for accelerations a, with its mass matrix M and bias
 /// forces h.
 template <class T> struct TreeForces {
-  /// Computes the forces, and updates `system` to the motion (q, v, a).
+  /// Computes the forces, and updates `system` to the motion (q, v, a). Throws std::invalid_argument for wrong
+  /// sizes and loads.
   TreeForces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a, const Loads<T>& loads)
       : need(system.model().nv()) {
+    check_size("a", a.size(), v.size(), "nv");
+    check_loads(system.model(), loads, true);
     system.move(q.data(), v.data(), loads, need.data());
-    terms = need.norm();
+    rounding = rounding_of_need();
     system.force(q.data(), v.data(), a.data(), loads, need.data());
-    terms += need.norm();
+    rounding += rounding_of_need();
   }
   /// Subtracts joint forces that act besides those of the drives.
   void subtract(Numbers<T> forces) {
     for (Eigen::Index c = 0; c < need.size(); ++c) need[c] -= forces[static_cast<std::size_t>(c)];
-    terms += need.norm();
+    rounding += rounding_of_need();
   }
 
   Eigen::VectorX<T> need;
-  T terms;  ///< the sum of the norms of terms that may cancel in `need`
+  T rounding;  ///< of the terms that may cancel in `need`: no smaller part of it is known
+
+ private:
+  T rounding_of_need() const { return RowElimination<T>::rounding * need.stableNorm(); }
 };
 
 /// Computes drive forces that, together with the constraint forces of the loops, have the same effect on the
@@ -66,8 +72,8 @@ template <class T> struct DriveForces {
     const Eigen::MatrixXd moving = N(drives, Eigen::indexing::all).transpose() * basis;
     const Eigen::VectorXd x = least_squares(moving, wanted, 0);
     tau(drives) = (basis * x).template cast<T>();
-    const T left = static_cast<T>((wanted - moving * x).norm());
-    missing = left > RowElimination<T>::rounding * forces.terms ? left / need.norm() : T(0);
+    const T left = static_cast<T>((wanted - moving * x).stableNorm());
+    missing = left > forces.rounding ? left / need.stableNorm() : T(0);
     by_loops = need - tau;
   }
 
@@ -192,8 +198,6 @@ T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, 
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
   check_gears_driven(model, loads, drives);
-  check_size("a", a.size(), v.size(), "nv");
-  check_loads(model, loads, true);
   const TreeForces<T> of_tree(system, q, v, a, loads);
   system.make_rows(ConstraintLevel::velocity);
   if constexpr (std::same_as<T, double>)  // in single precision A a + γ consists of rounding errors

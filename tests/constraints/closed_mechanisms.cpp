@@ -295,6 +295,21 @@ TEST_P(ClosedMechanisms, RefuseMotionsThatOpenLoopsHoweverFastTheyAre) {
   }
 }
 
+TEST(Drives, AreTooFewHoweverLargeTheForcesAre) {
+  const Model model = ModelBuilder(gough()).build();
+  LoopWorkspace<double> loops(model);
+  const auto nv = static_cast<std::size_t>(model.nv());
+  const Numbers q = assemble(model, neutral(model)).q, rest(nv);
+  const auto first = std::ranges::find_if(model.loops().driven, [](char is) { return is != 0; });
+  const std::vector<int> one{static_cast<int>(first - model.loops().driven.begin())};
+  for (const double k : {1e3, 1e200}) {
+    Numbers tau(nv), a(nv);
+    for (std::size_t c = 0; c < nv; ++c) tau[c] = model.loops().driven[c] ? k : 0;
+    ASSERT_TRUE(forward_dynamics(model, loops, q, rest, tau, a).ok());
+    EXPECT_GT(inverse_dynamics(model, loops, q, rest, a, tau, {}, one), 0.1) << k;
+  }
+}
+
 TEST(Couplings, AreNotDrivenApart) {
   Description two;
   for (const char* name : {"one", "other"})
