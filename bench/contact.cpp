@@ -95,7 +95,7 @@ void stand(benchmark::State& state, const Standing& robot, bool derivatives) {
   const Eigen::Index n = robot.model.nv();
   const Eigen::MatrixXd directions = Eigen::MatrixXd::Identity(3 * n, 3 * n);
   const ContactDirections along{.tau = directions.bottomRows(n)};
-  Eigen::MatrixXd dq, dv;
+  Changes dq, dv;
   repeat(state, q.data(), [&] {
     dq = directions.topRows(n);
     dv = directions.middleRows(n, n);

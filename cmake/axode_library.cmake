@@ -78,7 +78,8 @@ set(AXODE_ROWS
 set(AXODE_IN_DOUBLE
     constraints/embedding/task_kernel
     constraints/embedding/task_ranks
-    contact/law/contact_system)
+    contact/law/contact_system
+    recursion/changes)
 
 set(AXODE_FAST_PER_SCALAR
     constraints/loop_system/loop_derivatives

@@ -16,7 +16,6 @@ namespace axode {
 namespace {
 
 using Span = std::span<const double>;
-using Matrix = Eigen::MatrixXd;
 
 void check_motion(const Model& model, const ContactShapes& shapes, double step,
                   std::initializer_list<Sized<const double>> arguments,
@@ -75,7 +74,7 @@ class TangentContactSteps {
   /// Takes a step under the drive forces tau. On entry dq and dv are the changes of the state at its start
   /// along k directions (nv × k each), and on return those at its end. Returns false if this fails, for the
   /// reason in `result`.
-  bool run(Span tau, Matrix& dq, Matrix& dv, const ContactDirections& directions) {
+  bool run(Span tau, Changes& dq, Changes& dv, const ContactDirections& directions) {
     const double t = step_ * static_cast<double>(count_++);
     result.failure = run_.interruption(t);
     if (!result.ok()) return false;
@@ -120,14 +119,14 @@ ContactSensitivity finished(const ContactSensitivity& result,
 
 /// Unit changes of q, v and τ (nv each), and then of those parameters whose numbers are not 0.
 struct AllDirections {
-  Matrix dq, dv;
+  Changes dq, dv;
   ContactDirections others;
 
   AllDirections(Eigen::Index nv, const Counts& counts) {
     const Eigen::Index state = 3 * nv + counts.surfaces, shapes = counts.surfaces / 3;
     const Eigen::Index p = counts.placement + counts.inertia + counts.geometry;
     const auto unit = [](Eigen::Index rows, Eigen::Index first, Eigen::Index columns) {
-      Matrix x = Matrix::Zero(rows, rows > 0 ? columns : 0);
+      Changes x = Changes::Zero(rows, rows > 0 ? columns : 0);
       if (rows > 0) x.middleCols(first, rows).setIdentity();
       return x;
     };
@@ -166,20 +165,20 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
        {"out.by.inertia", out.by.inertia, rows_of(counts.inertia), "K * 2 nv * 10 n_bodies, or empty"},
        {"out.by.geometry", out.by.geometry, rows_of(counts.geometry), "K * 2 nv * 6 n_bodies, or empty"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Eigen::Index n = model.nv();
   const AllDirections along(n, counts);
   std::ranges::copy(q, out.q.begin());
   std::ranges::copy(v, out.v.begin());
   for (std::size_t k = 0; k < K; ++k) {
-    Matrix dq = along.dq, dv = along.dv;
+    Changes dq = along.dq, dv = along.dv;
     if (!steps.run(tau.subspan(k * nv, nv), dq, dv, along.others)) break;
     as_eigen(out.q.subspan((k + 1) * nq, nq)) = steps.q;
     as_eigen(out.v.subspan((k + 1) * nv, nv)) = steps.v;
     Eigen::Index first = 0;
     const auto write = [&](std::span<double> to, Eigen::Index columns) {
       if (columns == 0) return;
-      Eigen::Map<Rows> matrix(to.data() + static_cast<std::ptrdiff_t>(k) * 2 * n * columns, 2 * n, columns);
+      Eigen::Map<Changes> matrix(to.data() + static_cast<std::ptrdiff_t>(k) * 2 * n * columns, 2 * n,
+                                 columns);
       matrix << dq.middleCols(first, columns), dv.middleCols(first, columns);
       first += columns;
     };
@@ -216,8 +215,8 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
        {"parameters.geometry", parameters.geometry, index(counts.geometry), "6 n_bodies, or empty"}},
       {{"dq_out", dq_out, (K + 1) * nv, "(K + 1) nv"}, {"dv_out", dv_out, (K + 1) * nv, "(K + 1) nv"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
-  Matrix dq_k = as_eigen(dq), dv_k = as_eigen(dv);
-  const auto column = [](Span x) { return x.empty() ? Matrix() : Matrix(as_eigen(x)); };
+  Changes dq_k = as_eigen(dq), dv_k = as_eigen(dv);
+  const auto column = [](Span x) { return x.empty() ? Changes() : Changes(as_eigen(x)); };
   const std::size_t n = index(counts.surfaces) / 3;
   ContactDirections along;
   if (n > 0) {
@@ -262,10 +261,10 @@ ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& 
        {"by_parameters.geometry", by.geometry, index(counts.geometry), "6 n_bodies, or empty"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
   const Eigen::Index n = model.nv();
-  std::vector<Matrix> changes;  // (dq; dv) at the end of each step, 2nv rows
+  std::vector<Changes> changes;  // (dq; dv) at the end of each step, 2nv rows
   const AllDirections along(n, counts);
   for (std::size_t k = 0; k < K; ++k) {
-    Matrix dq = along.dq, dv = along.dv;
+    Changes dq = along.dq, dv = along.dv;
     if (!steps.run(tau.subspan(k * nv, nv), dq, dv, along.others)) break;
     changes.emplace_back(2 * n, dq.cols());
     changes.back() << dq, dv;

@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <stdexcept>
+#include <type_traits>
 
 namespace axode {
 
@@ -24,6 +25,20 @@ Eigen::MatrixXd Factor<Decomposition>::solve(const Eigen::Ref<const Eigen::Matri
     return x;
   }
   return factor_.solve(B);
+}
+
+template <class Decomposition> Changes Factor<Decomposition>::solve_changes(Changes x) const {
+  if constexpr (std::is_same_v<Decomposition, Eigen::LLT<Eigen::MatrixXd>>) {
+    solve_lower(factor_.matrixLLT(), false, x);
+    solve_upper(factor_.matrixLLT().transpose(), x);
+  } else if constexpr (std::is_same_v<Decomposition, Eigen::PartialPivLU<Eigen::MatrixXd>>) {
+    x = (factor_.permutationP() * x).eval();
+    solve_lower(factor_.matrixLU(), true, x);
+    solve_upper(factor_.matrixLU(), x);
+  } else {
+    x = factor_.solve(x).eval();
+  }
+  return x;
 }
 
 template <class Decomposition> double Factor<Decomposition>::rcond() const { return factor_.rcond(); }

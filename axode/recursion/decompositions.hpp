@@ -4,6 +4,8 @@
 #include <complex>
 #include <vector>
 
+#include "axode/recursion/changes.hpp"
+
 /// Decompositions of dense matrices, compiled in one source file because each takes a compiler seconds.
 namespace axode {
 
@@ -19,6 +21,8 @@ template <class Decomposition> class Factor {
   void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const;
   /// Returns A⁻¹ B.
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
+  /// Returns A⁻¹ x for changes x.
+  Changes solve_changes(Changes x) const;
   /// An estimate of 1/(‖A‖ ‖A⁻¹‖) in the 1-norm.
   double rcond() const;
 

@@ -3,7 +3,6 @@
 namespace axode {
 namespace {
 
-using Changes = DisplacedMotion::Changes;
 using Across = Eigen::Matrix<double, 3, 6>;
 
 /// The normal n and the tangents t1, t2 of a contact, with their derivatives by six variables. Variables 3
@@ -36,32 +35,52 @@ Vec3<Displaced> along(const Vec3<>& a, std::size_t first) {
   return out;
 }
 
-FrameChanges changes(const DisplacedFrame& axes, const VectorChanges& dfrom, const VectorChanges& dto) {
-  const auto apply = [&](const Vec3<Displaced>& a) -> VectorChanges {
-    const Across by = derivatives(a);
-    return by.leftCols<3>() * dfrom + by.rightCols<3>() * dto;
-  };
-  return {dto, apply(axes.t1), apply(axes.t2)};
+/// The 3 × 6 matrix that takes the displacement of a body, which is known at O, to that of a point on it.
+Across displacement_of(const Vec3<>& point, const Vec3<>& O) {
+  Across out;
+  out << -skew(point - O), Eigen::Matrix3d::Identity();
+  return out;
 }
 
 }  // namespace
 
-FrameChanges frame_changes(const Vec3<>& normal, const VectorChanges& dnormal) {
-  const VectorChanges none = VectorChanges::Zero(3, dnormal.cols());
-  return changes(frame_of(along(normal, 3)), none, dnormal);
+FrameChanges frame_changes(const Vec3<>& normal, const ChangesArgument& dnormal) {
+  const DisplacedFrame axes = frame_of(along(normal, 3));
+  const auto apply = [&](const Vec3<Displaced>& a) -> VectorChanges {
+    return product(derivatives(a).rightCols<3>(), dnormal);
+  };
+  return {dnormal, apply(axes.t1), apply(axes.t2)};
 }
 
-FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, const Vec3<>& to,
-                            const VectorChanges& dto) {
-  return changes(turned_frame(frame_of(along(from, 0)), along(to, 3)), dfrom, dto);
+FrameChanges turned_changes(const Vec3<>& from, const ChangesArgument& dfrom, const Vec3<>& to,
+                            const ChangesArgument& dto) {
+  const DisplacedFrame axes = turned_frame(frame_of(along(from, 0)), along(to, 3));
+  const auto apply = [&](const Vec3<Displaced>& a) -> VectorChanges {
+    const Across by = derivatives(a);
+    VectorChanges out = product(by.leftCols<3>(), dfrom);
+    add_product(by.rightCols<3>(), dto, out);
+    return out;
+  };
+  return {dto, apply(axes.t1), apply(axes.t2)};
 }
 
 ContactChanges contact_changes(const ContactJet& jet, const Displacements& a, const Displacements& b) {
-  Changes relative(6, a.xi.cols());
-  relative.topRows<3>() = b.xi.topRows<3>() - a.xi.topRows<3>();
-  relative.bottomRows<3>() = b.of(jet.about) - a.of(jet.about);
-  return {a.of(jet.point) + jet.point_by * relative,
-          -skew(jet.normal) * a.xi.topRows<3>() + jet.normal_by * relative, jet.gap_by * relative};
+  ContactChanges out{.rows = decltype(out.rows)::Zero(7, b.xi.cols())};
+  Eigen::Matrix<double, 7, 6> by_relative;
+  by_relative << jet.point_by, jet.normal_by, jet.gap_by;
+  const auto add = [&](const Displacements& end, double sign) {
+    Matrix6<double> to_about;
+    to_about << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero(), displacement_of(jet.about, end.O);
+    Eigen::Matrix<double, 7, 6> by = sign * by_relative * to_about;
+    if (sign < 0) {  // the point and the normal move with a
+      by.topRows<3>() += displacement_of(jet.point, end.O);
+      by.block<3, 3>(3, 0) -= skew(jet.normal);
+    }
+    add_product(by, end.xi, out.rows);
+  };
+  add(a, -1);
+  add(b, 1);
+  return out;
 }
 
 DisplacedMotion::DisplacedMotion(const Model& model)
@@ -70,7 +89,7 @@ DisplacedMotion::DisplacedMotion(const Model& model)
       poses_(static_cast<std::size_t>(model.n_bodies()) + 1),
       V_(poses_.size()) {}
 
-void DisplacedMotion::run(const double* q, const double* v, const Changes& dq, const Changes& dv,
+void DisplacedMotion::run(const double* q, const double* velocities, const Changes& dq, const Changes& dv,
                           Eigen::Index first) {
   spatial_->run(*tree_, q);
   const Topology& topology = *tree_->operator->();
@@ -83,47 +102,59 @@ void DisplacedMotion::run(const double* q, const double* v, const Changes& dq, c
     const int p = topology.parent[i];
     poses_[k] = spatial_->pose(i);
     Twist<Spatial> Sv{};
-    spatial_->each_screw(i, [&](int c, const Twist<Spatial>& S) { Sv += v[c] * S; });
+    spatial_->each_screw(i, [&](int c, const Twist<Spatial>& S) { Sv += velocities[c] * S; });
     V_[k] = V_[static_cast<std::size_t>(p)] + Sv;
     if (dq.cols() == 0) continue;
     auto xi = xi_.middleRows<6>(6 * i), dV = dV_.middleRows<6>(6 * i);
     xi += xi_.middleRows<6>(6 * p);
     dV = dV_.middleRows<6>(6 * p);
     spatial_->each_screw(i, [&](int c, const Twist<Spatial>& S) {
-      xi += to_eigen(S) * dq.row(c);
-      dV += to_eigen(S) * dv.row(c);
+      add_product(to_eigen(S), dq.middleRows(c, 1), xi);
+      add_product(to_eigen(S), dv.middleRows(c, 1), dV);
     });
-    dV -= ad_matrix(screw(Sv)) * xi;
+    const Eigen::Matrix3d w = skew(Sv.w), v = skew(Sv.v);
+    subtract_product(w, xi.topRows<3>(), dV.topRows<3>());
+    subtract_product(v, xi.topRows<3>(), dV.bottomRows<3>());
+    subtract_product(w, xi.bottomRows<3>(), dV.bottomRows<3>());
   }
 }
 
 Changes DisplacedMotion::row_velocities(const ContactJet& at, const ContactChanges& change,
                                         const ContactFrame& axes, const FrameChanges& daxes, int rows,
                                         double* u) {
+  using Six = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, LawBlock::most_rows, 6>;
+  using Three = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor, LawBlock::most_rows, 3>;
+  const std::array axis{&axes.n, &axes.t1, &axes.t2};
+  const std::array daxis{&daxes.n, &daxes.t1, &daxes.t2};
   Vec3<> slip, turning;
-  VectorChanges dslip = VectorChanges::Zero(3, directions()), dturning = dslip;
+  Changes out = Changes::Zero(rows, directions());
+  Three by_point = Three::Zero(rows, 3);
   const auto add = [&](int body, double sign) {
+    if (body == 0) return;  // the ground does not move
     const Twist<Spatial>& V = V_[static_cast<std::size_t>(body)];
     const Vec3<> arm = at.point - origin(body);
-    const auto dV = of(dV_, body);
     slip += sign * (V.v + cross(V.w, arm));
     turning += sign * V.w;
-    dslip += sign * (dV.bottomRows<3>() - skew(arm) * dV.topRows<3>() + skew(V.w) * change.point);
-    dturning += sign * dV.topRows<3>();
+    Six by_twist(rows, 6);
+    for (int row = 0; row < rows; ++row) {
+      const Vec3<> a = sign * *axis[static_cast<std::size_t>(row % 3)];
+      if (row < 3) {
+        by_twist.row(row) << to_eigen(cross(arm, a)).transpose(), to_eigen(a).transpose();
+        by_point.row(row) += to_eigen(cross(a, V.w)).transpose();
+      } else {
+        by_twist.row(row) << to_eigen(a).transpose(), Eigen::RowVector3d::Zero();
+      }
+    }
+    add_product(by_twist, of(dV_, body), out);
   };
   add(at.b, 1);
   add(at.a, -1);
-  Changes out(rows, directions());
-  const auto set = [&](int row, const Vec3<>& axis, const VectorChanges& daxis) {
-    const Vec3<>& x = row < 3 ? slip : turning;
-    u[row] = dot(axis, x);
-    out.row(row) =
-        to_eigen(axis).transpose() * (row < 3 ? dslip : dturning) + to_eigen(x).transpose() * daxis;
-  };
+  add_product(by_point, change.point(), out);
   for (int row = 0; row < rows; ++row) {
-    if (row % 3 == 0) set(row, axes.n, daxes.n);
-    if (row % 3 == 1) set(row, axes.t1, daxes.t1);
-    if (row % 3 == 2) set(row, axes.t2, daxes.t2);
+    const std::size_t k = static_cast<std::size_t>(row % 3);
+    const Vec3<>& x = row < 3 ? slip : turning;
+    u[row] = dot(*axis[k], x);
+    add_product(to_eigen(x).transpose(), *daxis[k], out.middleRows(row, 1));
   }
   return out;
 }
@@ -147,16 +178,19 @@ void DisplacedMotion::add_impulse_changes(const ContactJet& at, const ContactCha
   const Vec3<> f = sum(0), m = sum(3);
   const VectorChanges df = dsum(0), dm = dsum(3);
   const auto add = [&](int end, double sign) {
+    if (end == 0) return;  // the ground does not move
     const Vec3<> arm = at.point - origin(end);
-    Eigen::Matrix<double, 6, 1> W;
-    W << to_eigen(m + cross(arm, f)), to_eigen(f);
-    Changes dW(6, directions());
-    dW.topRows<3>() = dm + skew(arm) * df - skew(f) * change.point;
-    dW.bottomRows<3>() = df;
+    const Wrench<Spatial> W{sign * (m + cross(arm, f)), sign * f};
+    ScrewChanges dW(6, directions());
+    dW.topRows<3>() = sign * dm;
+    dW.bottomRows<3>() = sign * df;
+    add_product(skew(sign * arm), df, dW.topRows<3>());
+    subtract_product(skew(W.f), change.point(), dW.topRows<3>());
     for (int i = end; i > 0; i = (*tree_)->parent[static_cast<std::size_t>(i)])
       spatial_->each_screw(i, [&](int c, const Twist<Spatial>& S) {
-        const Eigen::Matrix<double, 1, 6> by_xi = -(W.transpose() * ad_matrix(screw(S)));  // W | [ξ, S]
-        out.row(c) += sign * (by_xi * of(xi_, i) + to_eigen(S).transpose() * dW);
+        const Vector6<double> by_xi = to_eigen(coad(S, W)), by_W = to_eigen(S);  // W | [ξ, S]
+        add_product(by_xi.transpose(), of(xi_, i), out.middleRows(c, 1));
+        add_product(by_W.transpose(), dW, out.middleRows(c, 1));
       });
   };
   add(at.b, 1);

@@ -5,27 +5,31 @@
 #include "axode/contact/derivatives/contact_jet.hpp"
 #include "axode/contact/derivatives/parameter_changes.hpp"
 #include "axode/eigen.hpp"
+#include "axode/recursion/changes.hpp"
 
 namespace axode {
 
 /// Changes of a vector in space along k directions, 3 × k.
-using VectorChanges = Eigen::Matrix3Xd;
+using VectorChanges = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+/// Changes of a screw along k directions, 6 × k, angular part first.
+using ScrewChanges = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// The changes of the point, the normal and the gap of a contact along k directions.
 struct ContactChanges {
-  VectorChanges point, normal;
-  Eigen::RowVectorXd gap;
+  Eigen::Matrix<double, 7, Eigen::Dynamic, Eigen::RowMajor> rows;
+
+  auto point() { return rows.topRows<3>(); }
+  auto point() const { return rows.topRows<3>(); }
+  auto normal() { return rows.middleRows<3>(3); }
+  auto normal() const { return rows.middleRows<3>(3); }
+  auto gap() { return rows.row(6); }
+  auto gap() const { return rows.row(6); }
 };
 
 /// The displacements of a body along k directions: six rows, a rotation and the translation of the point O.
 struct Displacements {
-  Eigen::Matrix<double, 6, Eigen::Dynamic> xi;
+  Eigen::Ref<const ScrewChanges, 0, Eigen::OuterStride<>> xi;
   Vec3<> O;
-
-  /// The displacements of a point that moves with the body.
-  VectorChanges of(const Vec3<>& point) const {
-    return xi.bottomRows<3>() - skew(point - O) * xi.topRows<3>();
-  }
 };
 /// The changes of the point, normal and gap of a contact by displacements of its two bodies (D11.16).
 ContactChanges contact_changes(const ContactJet& jet, const Displacements& a, const Displacements& b);
@@ -35,10 +39,10 @@ struct FrameChanges {
   VectorChanges n, t1, t2;
 };
 /// The changes of contact_frame(normal) for changes of the normal.
-FrameChanges frame_changes(const Vec3<>& normal, const VectorChanges& dnormal);
+FrameChanges frame_changes(const Vec3<>& normal, const ChangesArgument& dnormal);
 /// The changes of turned(contact_frame(from), to) for changes of both normals.
-FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, const Vec3<>& to,
-                            const VectorChanges& dto);
+FrameChanges turned_changes(const Vec3<>& from, const ChangesArgument& dfrom, const Vec3<>& to,
+                            const ChangesArgument& dto);
 
 /// The motion of the bodies of a tree at a state (q, v), and its changes along k directions (dq, dv), a
 /// column for each. dq are left-trivialised displacements. Let ξ_i be the displacement and V_i = V_p + S v
@@ -49,8 +53,6 @@ FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, cons
 /// Costs O(n k) for n bodies. An object is the scratch memory of one thread.
 class DisplacedMotion {
  public:
-  using Changes = Eigen::MatrixXd;
-
   explicit DisplacedMotion(const Model& model);
 
   /// Sets the changes of the geometric parameters of all n bodies along p directions: `geometry`, 6 n × p, or
@@ -86,7 +88,7 @@ class DisplacedMotion {
  private:
   Vec3<> origin(int body) { return body > 0 ? spatial_->origin[body] : Vec3<>{}; }
   /// The six rows of a body in a matrix with six rows for each body.
-  auto of(const Changes& x, int body) const { return x.middleRows<6>(6 * body); }
+  static auto of(const Changes& x, int body) { return x.middleRows<6>(6 * body); }
   Displacements displacements(int body) { return {of(xi_, body), origin(body)}; }
 
   const Tree<double>* tree_;

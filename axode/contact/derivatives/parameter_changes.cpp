@@ -9,8 +9,6 @@
 namespace axode {
 namespace {
 
-using Matrix = Eigen::MatrixXd;
-
 /// The matrix K with K ξ = ad_ξᵀ W for a momentum or wrench W.
 Matrix6<double> coad_matrix(const Momentum<Spatial>& W) {
   Matrix6<double> K;
@@ -20,9 +18,9 @@ Matrix6<double> coad_matrix(const Momentum<Spatial>& W) {
 
 }  // namespace
 
-Matrix geometric_displacements(const Tree<double>& tree, const SpatialTree<double>& at, const double* q,
-                               const Matrix& geometry) {
-  Matrix xi = Matrix::Zero(6 * (tree->n + 1), geometry.cols());
+Changes geometric_displacements(const Tree<double>& tree, const SpatialTree<double>& at, const double* q,
+                                const Changes& geometry) {
+  Changes xi = Changes::Zero(6 * (tree->n + 1), geometry.cols());
   for (int i = 1; i <= tree->n; ++i) {
     Matrix6<double> U;
     each_unit_screw(at.link[i].C * frame_at_zero(tree, i, q),
@@ -45,7 +43,7 @@ void ParameterChanges::run(const double* q, const double* v, const ParameterDire
   const Eigen::Index p = along.count();
   const bool moves = along.geometry.size() > 0, weighs = along.inertia.size() > 0;
   spatial_->run(tree, q);
-  xi_ = moves ? geometric_displacements(tree, *spatial_, q, along.geometry) : Matrix::Zero(6 * (n + 1), p);
+  xi_ = moves ? geometric_displacements(tree, *spatial_, q, along.geometry) : Changes::Zero(6 * (n + 1), p);
   for (Changes* x : {&dV_, &dPi_, &dGamma_}) x->setZero(6 * (n + 1), p);
   dh_.setZero(3 * (n + 1), p);
   dm_.setZero(n + 1, p);

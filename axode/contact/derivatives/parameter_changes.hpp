@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "axode/model/workspace.hpp"
+#include "axode/recursion/changes.hpp"
 #include "axode/recursion/spatial_tree.hpp"
 
 namespace axode {
@@ -11,10 +12,10 @@ namespace axode {
 /// Directions along which the parameters of a mechanism change. Each matrix is empty, or has one column for
 /// each of p directions.
 struct ParameterDirections {
-  Eigen::MatrixXd inertia;    ///< inertial parameters of inertial_parameters.hpp, 10 rows for each body
-  Eigen::MatrixXd geometry;   ///< geometric parameters of geometry_derivatives.hpp, 6 rows for each body
-  Eigen::MatrixXd placement;  ///< displacements of shapes on their bodies, along the unit screws of their
-                              ///< own frames, 6 rows for each shape; angular before linear
+  Changes inertia;    ///< inertial parameters of inertial_parameters.hpp, 10 rows for each body
+  Changes geometry;   ///< geometric parameters of geometry_derivatives.hpp, 6 rows for each body
+  Changes placement;  ///< displacements of shapes on their bodies, along the unit screws of their
+                      ///< own frames, 6 rows for each shape; angular before linear
 
   /// The number p of directions.
   Eigen::Index count() const { return std::max({inertia.cols(), geometry.cols(), placement.cols()}); }
@@ -26,16 +27,14 @@ struct ParameterDirections {
 /// to the ground. The columns of U are the six unit screws of the frame that the body would have if its own
 /// joint were at zero and all other joints at q. ξ and U are in inertial axes, about the origin at q of the
 /// first body on the path from the ground to the body. `at` has the poses of the bodies at q.
-Eigen::MatrixXd geometric_displacements(const Tree<double>& tree, const SpatialTree<double>& at,
-                                        const double* q, const Eigen::MatrixXd& geometry);
+Changes geometric_displacements(const Tree<double>& tree, const SpatialTree<double>& at, const double* q,
+                                const Changes& geometry);
 
 /// The changes of the momenta M v, of the derivative ∂T/∂q of the kinetic energy T, and of the generalised
 /// forces of gravity, if parameters of the mechanism change along p directions but not the state (q, v)
 /// (D11.36 to D11.38). An object is the scratch memory of one thread. Costs O(n p) for n bodies.
 class ParameterChanges {
  public:
-  using Changes = Eigen::MatrixXd;
-
   explicit ParameterChanges(const Model& model);
 
   /// Computes `momenta`, `forces` and `gravity` at a state (q, v), nv × p numbers each: the derivatives of
@@ -46,11 +45,9 @@ class ParameterChanges {
   Changes momenta;  ///< changes of M v
   Changes forces;   ///< changes of ∂T/∂q, the derivative of the kinetic energy T at constant v
   Changes gravity;  ///< changes of the generalised forces of gravity
-  /// Changes of the subtree of a body along p given directions in which the inertial and geometric parameters
-  /// of the mechanism change, at constant q; the directions are those of the last call of run(). mass() is
-  /// the change of the mass of the subtree (1 × p, kg), and center() that of its centre of mass in inertial
-  /// axes (3 × p, m).
-  Eigen::RowVectorXd mass(int body) const { return dm_.row(body); }
+  /// The changes of the centre of mass of the subtree of a body in inertial axes (3 × p, m), along the p
+  /// directions of the last call of run(), in which the inertial and geometric parameters of the mechanism
+  /// change, at constant q.
   Eigen::Matrix3Xd center(int body);
 
  private:

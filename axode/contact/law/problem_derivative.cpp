@@ -46,9 +46,8 @@ Eigen::MatrixXd dense_columns(const VelocityProblem& p) {
 }  // namespace
 
 LawDerivative differentiate_law(const VelocityProblem& p, const double* lambda, const double* u,
-                                const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
-                                const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,
-                                const std::function<double()>& change) {
+                                const Eigen::Ref<const Eigen::MatrixXd>& by_lambda, const Changes& by_data,
+                                double speed, const std::function<double()>& change) {
   const Eigen::Index m = p.rows();
   LawDerivative out;
   out.multipliers.setZero(m, by_data.cols());
@@ -66,12 +65,11 @@ LawDerivative differentiate_law(const VelocityProblem& p, const double* lambda, 
   }
   const Eigen::MatrixXd ZD = Z * d2.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(m, m) - Z + ZD * by_lambda;
-  const Eigen::MatrixXd b = -ZD * by_data;
   const Eigen::VectorXd d = d2.cwiseSqrt();
-  const Eigen::MatrixXd rhs = d.asDiagonal() * b;
+  const Changes rhs = product(Eigen::MatrixXd((-d).asDiagonal() * ZD), by_data);
   const LuFactor regular(d.asDiagonal() * A * d.cwiseInverse().asDiagonal());
   if (regular.rcond() > regular_part) {
-    out.multipliers = d.cwiseInverse().asDiagonal() * regular.solve(rhs);
+    out.multipliers = d.cwiseInverse().asDiagonal() * regular.solve_changes(rhs);
     if (out.multipliers.allFinite()) return out;  // A = 0 with one row has the estimate 1 too
   }
   const auto solve = [&](const Eigen::VectorXd& weight) -> Eigen::MatrixXd {
@@ -80,7 +78,7 @@ LawDerivative differentiate_law(const VelocityProblem& p, const double* lambda, 
     return inverse.asDiagonal() * least_squares(scaled, rhs, rank_part);
   };
   out.multipliers = solve(d);
-  const double left = (d.asDiagonal() * (A * out.multipliers - b)).norm();
+  const double left = (d.asDiagonal() * (A * out.multipliers) - rhs).norm();
   // Another metric chooses another share of the load. A unique motion does not depend on it.
   Eigen::VectorXd other = d;
   for (Eigen::Index row = 0; row < m; ++row) other[row] *= 1 + 0.5 * std::sin(static_cast<double>(row));

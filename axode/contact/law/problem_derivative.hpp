@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "axode/contact/law/velocity_problem.hpp"
+#include "axode/recursion/changes.hpp"
 
 namespace axode {
 
@@ -39,7 +40,7 @@ ProblemDerivative differentiate(const VelocityProblem& problem, const double* la
 /// each of the given changes (directions) of these data, each of which is given by the change of u at
 /// constant λ.
 struct LawDerivative {
-  Eigen::MatrixXd multipliers;          ///< dλ of rows scaled by friction coefficients, rows × directions
+  Changes multipliers;                  ///< dλ of rows scaled by friction coefficients, rows × directions
   bool unique = true, at_kink = false;  ///< see ProblemDerivative
 };
 
@@ -56,8 +57,7 @@ struct LawDerivative {
 /// rounding errors are judged by both. `change` is called only if the equations for dλ are singular, as they
 /// are where contacts share a load. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,
-                                const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
-                                const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,
-                                const std::function<double()>& change);
+                                const Eigen::Ref<const Eigen::MatrixXd>& by_lambda, const Changes& by_data,
+                                double speed, const std::function<double()>& change);
 
 }  // namespace axode

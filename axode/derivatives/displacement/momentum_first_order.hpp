@@ -109,6 +109,16 @@ template <class T> struct MomentumFirstOrder {
     move(tree, q);
     each_entry(tree, add_to(Mv_q), add_to(F_q), add_to(F_v));
   }
+  /// Computes the matrix Mv_q of kinetic() alone.
+  void momenta_by_q(const Tree<T>& tree, const T* q, const T* v_given, T* Mv_q) noexcept {
+    const std::ptrdiff_t nv = tree->nv;
+    std::fill_n(zero, nv, T(0));
+    std::copy_n(v_given, nv, v);
+    std::fill_n(Mv_q, nv * nv, T(0));
+    move(tree, q);
+    each_entry(
+        tree, [=](std::ptrdiff_t r, std::ptrdiff_t direction, const T& x) { Mv_q[direction * nv + r] += x; });
+  }
 
  private:
   static void transpose(T* matrix, std::ptrdiff_t n) noexcept {
@@ -148,13 +158,14 @@ template <class T> struct MomentumFirstOrder {
   /// power of a wrench on a screw. For a joint screw S
   ///   ψ = [V_p, S],   η = [V, S],   U = M S,   D = M ψ - ad_Sᵀ Π,   A = M η - ad_Sᵀ Π.
   /// V_p and V are the twists of the predecessor and of the body that the joint moves, and M and Π are the
-  /// inertia and the momentum of the subtree of this body.
-  void multiply(int l, int begin, int end) noexcept {
+  /// inertia and the momentum of the subtree of this body. With step = 3, only the first and the fourth power
+  /// are computed, which are those for the momenta.
+  template <int step> void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);
     static constexpr int pairs[][2] = {{S, D}, {eta, D}, {eta, U}, {psi, U}, {psi, A}, {S, A}};
     for (int c = begin; c < end; c += L::width)
-      for (int n = 0; n < 6; ++n) {
+      for (int n = 0; n < 6; n += step) {
         Number sum(T(0));
         for (int k = 0; k < 6; ++k)
           sum = sum + x[pairs[n][0] + k] * L::load(effect.array(pairs[n][1] + k) + c);
@@ -163,13 +174,14 @@ template <class T> struct MomentumFirstOrder {
   }
 
   /// Calls Mv_by_q, by_q and by_v as f(component, direction, part of the entry) for the entries of three
-  /// matrices: the derivative of the momenta M v by q, and those of their rates p' by q and by v. If several
-  /// joints share a velocity, its entries come in several parts, which add up.
-  template <class MvByQ, class ByQ, class ByV>
-  void each_entry(const Tree<T>& tree, const MvByQ& Mv_by_q, const ByQ& by_q, const ByV& by_v) noexcept {
+  /// matrices: the derivative of the momenta M v by q, and, if they are given, those of their rates p' by q and
+  /// by v. If several joints share a velocity, its entries come in several parts, which add up.
+  template <class MvByQ, class... ByQAndByV>
+  void each_entry(const Tree<T>& tree, const MvByQ& Mv_by_q, const ByQAndByV&... rates_by) noexcept {
     for (int i = 1; i <= tree->n; ++i)
       for (int l = tree->first_screw[i]; l < tree->first_screw[i + 1]; ++l) {
-        multiply(l, tree->first_screw[i], tree->first_screw[tree->subtree_end[i]]);
+        multiply<sizeof...(rates_by) == 0 ? 3 : 1>(l, tree->first_screw[i],
+                                                   tree->first_screw[tree->subtree_end[i]]);
         const std::ptrdiff_t v_l = tree->iv[i] + l - tree->first_screw[i];
         for (int j = i; j < tree->subtree_end[i]; ++j)
           for (int k = tree->first_screw[j]; k < tree->first_screw[j + 1]; ++k) {
@@ -177,8 +189,7 @@ template <class T> struct MomentumFirstOrder {
             const auto at = [&](int n) { return line.array(n)[k]; };
             const auto put = [&](std::ptrdiff_t row, std::ptrdiff_t column, int n) {
               Mv_by_q(row, column, at(n));
-              by_q(row, column, at(n + 1));
-              by_v(row, column, at(n + 2));
+              (rates_by(row, column, at(++n)), ...);
             };
             if (j > i) put(v_l, v_k, 0);
             put(v_k, v_l, 3);

@@ -175,7 +175,7 @@ std::string ContactPhase::set_motion(const Vector& q, const Vector& v, const For
     const ContactChanges change = motion_.contact(*jet);
     std::array<double, LawBlock::most_rows> u{};
     bias_.segment(row_of(k), system_.contact_rows()) =
-        motion_.row_velocities(*jet, change, axes_of(k), frame_changes(jet->normal, change.normal),
+        motion_.row_velocities(*jet, change, axes_of(k), frame_changes(jet->normal, change.normal()),
                                system_.contact_rows(), u.data());
   }
   return {};
@@ -400,7 +400,7 @@ std::string ContactPhase::gaps(const Vector& q, const Vector& v, const Vector& a
     if (const ContactJet* jet = jets_.find(at.key, C_, everywhere)) {
       const ContactChanges change = motion_.contact(*jet);
       ddg = motion_.row_velocities(*jet, change, contact_frame(jet->normal),
-                                   frame_changes(jet->normal, change.normal), 1, u.data())(0, 0);
+                                   frame_changes(jet->normal, change.normal()), 1, u.data())(0, 0);
     } else {
       const Contact contact{.a = shapes[at.a].body,
                             .b = shapes[at.b].body,

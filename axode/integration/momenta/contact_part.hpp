@@ -22,6 +22,7 @@ struct ContactPart {
   double margin = 0;                                       ///< gap up to which contacts were found, m
   Vector q_0, v_0;                                         ///< state at the start, before impulses
   Vector q_middle, v_middle, q_1, v_before_end;            ///< results of ContactSimulationRun::fly()
+  Vector v_1;                                              ///< velocities after the impulses at the end
   std::vector<Contact> start = {}, end = {};               ///< contacts in the problems at start and end
   std::vector<double> lambda_start = {}, lambda_end = {};  ///< multipliers in scaled rows
   std::vector<char> slides = {};    ///< for each contact in `start`: its friction opposes the mean velocity

@@ -16,14 +16,14 @@ void ContactStepDerivative::displace_each(const VectorXd& q, const VectorXd& v) 
   motion_.run(q.data(), v.data(), each_, none_, first_column_ + first_);
 }
 
-void ContactStepDerivative::displace(const VectorXd& q, const VectorXd& v, const Matrix& dq,
-                                     const Matrix& dv) {
+void ContactStepDerivative::displace(const VectorXd& q, const VectorXd& v, const Changes& dq,
+                                     const Changes& dv) {
   first_column_ = 0;
   motion_.run(q.data(), v.data(), dq, dv, first_);
 }
 
-Matrix ContactStepDerivative::chain(const Eigen::Ref<const Matrix>& x, const Matrix& dq) const {
-  Matrix out = x.leftCols(dq.rows()) * dq;
+Changes ContactStepDerivative::chain(const ChangesArgument& x, const Changes& dq) const {
+  Changes out = product(x.leftCols(dq.rows()), dq);
   if (x.cols() > dq.rows()) out.leftCols(k_) += x.rightCols(k_);
   return out;
 }
@@ -46,9 +46,9 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
       const ContactChanges by = placement_changes(contact.key, *jet);
       ContactChanges& changes = out.changes.back();
       const Eigen::Index first = first_column_ + first_;
-      changes.point.middleCols(first, p_) += by.point;
-      changes.normal.middleCols(first, p_) += by.normal;
-      changes.gap.segment(first, p_) += by.gap;
+      changes.point().middleCols(first, p_) += by.point();
+      changes.normal().middleCols(first, p_) += by.normal();
+      changes.gap().segment(first, p_) += by.gap();
     }
     if (!jet || thickness_.size() == 0) continue;
     // A layer on a shape moves the side of this shape at the contact along the normal. The contact point is
@@ -57,8 +57,8 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
     const Eigen::RowVectorXd on_a = thickness_.row(a), on_b = thickness_.row(b);
     const double part_a = shapes_[a].kind == ShapeKind::plane ? 0 : 0.5;
     ContactChanges& changes = out.changes.back();
-    changes.gap.segment(first_column_, k_) -= on_a + on_b;
-    changes.point.middleCols(first_column_, k_) +=
+    changes.gap().segment(first_column_, k_) -= on_a + on_b;
+    changes.point().middleCols(first_column_, k_) +=
         to_eigen(jet->normal) * (part_a * on_a - (1 - part_a) * on_b);
   }
   return true;
@@ -67,18 +67,20 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
 ContactChanges ContactStepDerivative::placement_changes(std::uint64_t key, const ContactJet& jet) const {
   const auto displacements = [&](int shape) {
     const SE3<> C = motion_.poses()[index(shapes_[shape].body)] * shapes_[shape].pose;
-    const Matrix own = along_.placement.middleRows<6>(6 * shape);
-    Matrix xi(6, p_);
+    const auto own = along_.placement.middleRows<6>(6 * shape);
+    ScrewChanges xi(6, p_);
     xi << to_eigen(C.R) * own.topRows<3>(), to_eigen(C.R) * own.bottomRows<3>();
-    return Displacements{xi, C.r};
+    return std::pair(xi, C.r);
   };
   const auto [a, b] = ContactJets::shapes_of(key);
-  return contact_changes(jet, displacements(a), displacements(b));
+  const auto [xi_a, r_a] = displacements(a);
+  const auto [xi_b, r_b] = displacements(b);
+  return contact_changes(jet, {xi_a, r_a}, {xi_b, r_b});
 }
 
-Matrix ContactStepDerivative::coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
-                                                  const Matrix& friction) const {
-  Matrix out = Matrix::Zero(rows, friction.cols());
+Changes ContactStepDerivative::coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
+                                                   const Changes& friction) const {
+  Changes out = Changes::Zero(rows, friction.cols());
   if (friction.size() == 0) return out;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const auto [a, b] = ContactJets::shapes_of(contacts[k].key);
@@ -101,7 +103,7 @@ Eigen::RowVectorXd ContactStepDerivative::restitution_changes(const Contact& con
 void ContactStepDerivative::set_axes(const std::vector<Contact>& contacts, Rows& out) {
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     out.axes.push_back(contact_frame(contacts[k].normal));
-    out.daxes.push_back(frame_changes(contacts[k].normal, out.changes[k].normal));
+    out.daxes.push_back(frame_changes(contacts[k].normal, out.changes[k].normal()));
   }
 }
 
@@ -120,9 +122,9 @@ ContactStepDerivative::Impulses ContactStepDerivative::set_rows(const VectorXd& 
           Eigen::Map<const VectorXd>(lambda.data(), static_cast<Eigen::Index>(lambda.size()))};
 }
 
-Matrix ContactStepDerivative::impulse_changes(const VectorXd& q, const Rows& rows, const VectorXd& physical,
-                                              const Matrix& dq) {
-  Matrix by_each = Matrix::Zero(dq.rows(), motion_.directions());
+Changes ContactStepDerivative::impulse_changes(const VectorXd& q, const Rows& rows, const VectorXd& physical,
+                                               const Changes& dq) {
+  Changes by_each = Changes::Zero(dq.rows(), motion_.directions());
   const int width = system_.contact_rows();
   for (std::size_t k = 0; k < rows.jets.size(); ++k)
     motion_.add_impulse_changes(rows.jets[k], rows.changes[k], rows.axes[k], rows.daxes[k], width,
@@ -141,11 +143,11 @@ Matrix ContactStepDerivative::impulse_changes(const VectorXd& q, const Rows& row
   return chain(by_each, dq);
 }
 
-Matrix ContactStepDerivative::velocity_changes(const VectorXd& q, const VectorXd& x, const Rows& rows,
-                                               const Matrix& dq, VectorXd& u) {
+Changes ContactStepDerivative::velocity_changes(const VectorXd& q, const VectorXd& x, const Rows& rows,
+                                                const Changes& dq, VectorXd& u) {
   const int width = system_.contact_rows();
   const Eigen::Index m = system_.problem().rows(), nv = dq.rows();
-  Matrix by_each = Matrix::Zero(m, motion_.directions());
+  Changes by_each = Changes::Zero(m, motion_.directions());
   u.resize(m);
   system_.times(x.data(), u.data());
   for (std::size_t k = 0; k < rows.jets.size(); ++k) {

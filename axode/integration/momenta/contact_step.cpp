@@ -472,6 +472,7 @@ void ContactStep::keep_start(double h, const Vector& q_0, const Vector& v_0, dou
                    .v_middle = run_->v_middle,
                    .q_1 = run_->q_end,
                    .v_before_end = v_before_,
+                   .v_1 = v_before_,
                    .start = start_.contacts};
   run_->bases().each([&](int body, bool constant) { part.bases.push_back({body, constant}); });
   if (rows) {
@@ -485,6 +486,7 @@ void ContactStep::keep_start(double h, const Vector& q_0, const Vector& v_0, dou
 
 void ContactStep::keep_end(double bounciness) {
   if (!keep_parts) return;
+  kept.back().v_1 = v;
   kept.back().end = end_.contacts;
   for (Contact& contact : kept.back().end) contact.normal_impulse.reset();  // the derivative knows its law
   kept.back().lambda_end = end_.lambda;

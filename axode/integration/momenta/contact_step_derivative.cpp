@@ -15,10 +15,12 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// Applies the chain rule to the derivatives x of some quantities, whose first k columns are along k
 /// directions at constant multipliers, and whose other columns are by the multipliers: x becomes the k total
 /// derivatives, with the derivatives `by` of the multipliers along the directions.
-template <class M> void follow(M& x, const Matrix& by) {
-  x = (x.leftCols(by.cols()) + x.rightCols(by.rows()) * by).eval();
+template <class X> void follow(X& x, const Changes& by) {
+  X followed = x.leftCols(by.cols());
+  add_product(x.rightCols(by.rows()), by, followed);
+  x = std::move(followed);
 }
-void follow(FrameChanges& x, const Matrix& by) {
+void follow(FrameChanges& x, const Changes& by) {
   follow(x.n, by);
   follow(x.t1, by);
   follow(x.t2, by);
@@ -26,8 +28,8 @@ void follow(FrameChanges& x, const Matrix& by) {
 
 }  // namespace
 
-double ContactStepDerivative::mass_norm(const Matrix& M, const Matrix& x) {
-  return std::sqrt(std::max(0.0, x.cwiseProduct(M * x).sum()));
+double ContactStepDerivative::mass_norm(const Matrix& M, const ChangesArgument& x) {
+  return std::sqrt(std::max(0.0, x.cwiseProduct(product(M, x)).sum()));
 }
 
 ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactShapes& shapes,
@@ -61,13 +63,13 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
 /// which the step is differentiated, at constant multipliers, and then a column for each multiplier with the
 /// derivative by it. A multiplier is the impulse of a constraint row at the start of the substep, divided by
 /// the coefficient of friction if it is a friction row of a contact.
-bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, const Matrix& dv,
+bool ContactStepDerivative::begin(const ContactPart& part, const Changes& dq, const Changes& dv,
                                   const ContactDirections& directions, Start& out) {
   const Eigen::Index nv = dq.rows(), k = dq.cols();
 
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_start.size());
   k_ = k;
-  for (Matrix* x : {&out.dq, &out.dv, &out.dtau, &out.dp}) x->setZero(nv, k + m);
+  for (Changes* x : {&out.dq, &out.dv, &out.dtau, &out.dp}) x->setZero(nv, k + m);
   out.dq.leftCols(k) = dq;
   out.dv.leftCols(k) = dv;
   out.dtau.leftCols(k) = directions.tau;
@@ -90,37 +92,34 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   if (!find(part.start, part.margin, out.rows)) return false;
   set_axes(part.start, out.rows);
   Impulses& first = out.first;
-  Matrix& dp = out.dp;
+  Changes& dp = out.dp;
   if (m > 0) {
     first = set_rows(part.q_0, part.start, part.h / 2, std::numeric_limits<double>::infinity(),
                      part.lambda_start);
     dp = impulse_changes(part.q_0, out.rows, first.physical(), out.dq);
     dp.rightCols(m) += first.J.transpose() * first.c.asDiagonal();
     if (out.friction.size() > 0)
-      dp += first.J.transpose() *
-            (first.lambda.asDiagonal() * coefficient_changes(part.start, m, out.friction));
-    out.du = velocity_changes(part.q_0, part.v_0, out.rows, out.dq, out.u) + first.J * out.dv;
+      add_product(first.J.transpose(),
+                  first.lambda.asDiagonal() * coefficient_changes(part.start, m, out.friction), dp);
+    out.du = velocity_changes(part.q_0, part.v_0, out.rows, out.dq, out.u);
+    add_product(first.J, out.dv, out.du);
     if (!model_.loops().empty()) out.du_rolling = rolling_changes(part, out, dp);
   }
   const Matrix& M = out.mass.M;
-  Matrix Mv_q = kinetic(part.q_0, part.v_0).Mv_q;
   VectorXd& v_a = out.v_a;
   v_a = part.v_0;
   if (m > 0) v_a += out.mass.factor.solve(first.J.transpose() * first.physical());
-  // The momenta of a translation of a base do not contribute to the derivatives of its linear momenta by q,
-  // so that the latter may be taken at v_0, with the velocity of the moving frame included.
-  if (p_ > 0) parameter_changes_.run(part.q_0.data(), part.v_0.data(), along_);
-  begin_bases(part, out, Mv_q);
-  const VectorXd e_0 = frame_velocity(0);
-  Matrix de_0 = Matrix::Zero(nv, k + m);
-  add_frame_changes(0, 0, 1, out.dq, nullptr, &de_0);
-  if (!bases_.empty()) {
-    const VectorXd v = part.v_0 - e_0;
-    Mv_q = kinetic(part.q_0, v).Mv_q;
-    if (p_ > 0) parameter_changes_.run(part.q_0.data(), v.data(), along_);
-  }
+  begin_bases(part, out);
+  const VectorXd e_0 = frame_velocity(part.q_0, 0), v = part.v_0 - e_0;
+  const Matrix Mv_q = momenta_by_q(part.q_0, v);
+  if (p_ > 0) parameter_changes_.run(part.q_0.data(), v.data(), along_);
+  differentiate_bases(part, out, Mv_q);
+  Changes dv_moving = out.dv, de_0 = Changes::Zero(nv, k + m);
+  add_frame_changes(part.q_0, 0, 0, 1, out.dq, nullptr, &de_0);
+  dv_moving -= de_0;
   if (p_ > 0) by_parameters(dp) += parameter_changes_.momenta;
-  dp += Mv_q * out.dq + M * (out.dv - de_0);
+  add_product(Mv_q, out.dq, dp);
+  add_product(M, dv_moving, dp);
   out.p = M * (v_a - e_0);
   return true;
 }
@@ -141,15 +140,14 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
   out.u.resize(m);
   out.du.resize(m, start.dq.cols());
   for (std::size_t c = 0; c < part.start.size(); ++c) {
-    const ContactChanges& at_start = start.rows.changes[c];
-    const VectorChanges from_changes = chain(at_start.normal, start.dq);
+    const ContactChanges at_start{chain(start.rows.changes[c].rows, start.dq)};
     if (!middle.found[c]) {  // the step takes the place at the start
       middle.jets[c] = start.rows.jets[c];
-      middle.changes[c] = {chain(at_start.point, start.dq), from_changes, chain(at_start.gap, start.dq)};
+      middle.changes[c] = at_start;
     }
     const Vec3<>&from = part.start[c].normal, &to = middle.jets[c].normal;
     middle.axes.push_back(turned(start.rows.axes[c], to));
-    middle.daxes.push_back(turned_changes(from, from_changes, to, middle.changes[c].normal));
+    middle.daxes.push_back(turned_changes(from, at_start.normal(), to, middle.changes[c].normal()));
     const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
     out.du.middleRows(row, width) = motion_.row_velocities(middle.jets[c], middle.changes[c], middle.axes[c],
                                                            middle.daxes[c], width, out.u.data() + row);
@@ -173,27 +171,26 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
 /// Also computes the changes du of u (D11.21): k columns for the directions along which the step is
 /// differentiated, at constant multipliers, and then a column for each multiplier with the derivative by it.
 /// A multiplier is the impulse of a row at the start, divided by the coefficient of friction if it is a
-/// friction row of a contact.
+/// friction row of a contact. displace_each() must have been called at the end of the substep.
 bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const Start& start,
                                                   const Flight& flight, const Slip& middle, VectorXd& u,
-                                                  Matrix& du) {
+                                                  Changes& du) {
   const double h = part.h;
   const VectorXd& q_1 = part.q_1;
   const Eigen::Index nv = start.dq.rows(), m = start.first.lambda.size();
   const int width = system_.contact_rows();
   u.resize(m);
   du.resize(m, start.dq.cols());
-  displace_each(q_1, part.v_before_end);
   Rows end;
   if (!find(part.start, part.margin, end)) return false;
 
   for (std::size_t c = 0; c < part.start.size(); ++c) {
     const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
     const bool found = end.found[c] != 0;
-    const Eigen::RowVectorXd gap_before = chain(start.rows.changes[c].gap, start.dq);
+    const Eigen::RowVectorXd gap_before = chain(start.rows.changes[c].gap(), start.dq);
     const double gap = found ? end.jets[c].gap : part.start[c].gap + h * middle.u[row];
     if (found)
-      du.row(row) = chain(end.changes[c].gap, flight.dq_1);
+      du.row(row) = chain(end.changes[c].gap(), flight.dq_1);
     else
       du.row(row) = gap_before + h * middle.du.row(row);
     if (part.start[c].surface.compliance && part.lambda_start[index(row)] > 0) {
@@ -244,7 +241,7 @@ bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const
     for (const LoopPath& path : loops.table().paths)
       for (int r = 0; r < path.rows.count; ++r)
         if (r < path.residuals.count)
-          du.row(loop + path.rows.first + r) = R.row(path.residuals.first + r) * flight.dq_1 / h;
+          du.row(loop + path.rows.first + r) = product(R.row(path.residuals.first + r), flight.dq_1) / h;
         else
           du.row(loop + path.rows.first + r) = start.du_rolling.row(path.rows.first + r);
   }
@@ -253,31 +250,32 @@ bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const
   return true;
 }
 
-bool ContactStepDerivative::run(const ContactPart& part, Matrix& dq, Matrix& dv,
+bool ContactStepDerivative::run(const ContactPart& part, Changes& dq, Changes& dv,
                                 const ContactDirections& directions) {
   Start start;
   Slip middle;
   if (!begin(part, dq, dv, directions, start)) return false;
   Flight flight = fly(part, start);
   if (!take_slip(part, start, flight, middle)) return false;
+  displace_each(part.q_1, part.v_1);
   const Eigen::Index k = dq.cols(), m = start.first.lambda.size();
-  Matrix dlambda = Matrix::Zero(m, k);
+  Changes dlambda = Changes::Zero(m, k);
   if (m > 0) {
     VectorXd u;
-    Matrix du;
+    Changes du;
     if (!take_start_velocities(part, start, flight, middle, u, du)) return false;
     const VectorXd scaled = start.first.c.cwiseProduct(u);
-    du = start.first.c.asDiagonal() * du;
+    du.array().colwise() *= start.first.c.array();
     if (start.friction.size() > 0) du += u.asDiagonal() * coefficient_changes(part.start, m, start.friction);
     const auto change = [&] {
-      return mass_norm(start.mass.M, start.mass.factor.solve(start.dp.leftCols(k)));
+      return mass_norm(start.mass.M, start.mass.factor.solve_changes(start.dp.leftCols(k)));
     };
     const LawDerivative law =
         differentiate_law(system_.problem(), part.lambda_start.data(), scaled.data(), du.rightCols(m),
                           du.leftCols(k), mass_norm(start.mass.M, start.v_a), change);
     note(law);
     dlambda = law.multipliers;
-    for (Matrix* x : {&flight.dq_1, &flight.dp_1, &middle.du, &start.du}) follow(*x, law.multipliers);
+    for (Changes* x : {&flight.dq_1, &flight.dp_1, &middle.du, &start.du}) follow(*x, law.multipliers);
     for (std::size_t c = 0; c < part.start.size(); ++c)
       if (part.slides[c]) follow(middle.rows.daxes[c], law.multipliers);
     for (Base& base : bases_) follow(base.du, law.multipliers);

@@ -21,10 +21,10 @@ namespace axode {
 /// the placements of shapes on their bodies. Its matrices are empty, or have p <= k columns for the last p of
 /// the k directions; along the other directions parameters do not change.
 struct ContactDirections {
-  Eigen::MatrixXd tau;             ///< drive forces, nv × k
-  Eigen::MatrixXd friction;        ///< coefficient of sliding friction
-  Eigen::MatrixXd restitution;     ///< if a pair has two equal ones, the first one's change acts
-  Eigen::MatrixXd thickness;       ///< thickness of a layer, m: radius of a
+  Changes tau;                     ///< drive forces, nv × k
+  Changes friction;                ///< coefficient of sliding friction
+  Changes restitution;             ///< if a pair has two equal ones, the first one's change acts
+  Changes thickness;               ///< thickness of a layer, m: radius of a
                                    ///< sphere, height of a plane
   ParameterDirections parameters;  ///< for the last p of the k directions
 };
@@ -46,7 +46,7 @@ class ContactStepDerivative {
   /// same directions. Returns false if the points of a contact have no formula that can be differentiated;
   /// why() then says which. Allocates. O(n (k + nv) + nv² k + m³) for n bodies and m scalar constraints by
   /// contacts, stops, dry friction and loops.
-  bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const ContactDirections& directions);
+  bool run(const ContactPart& part, Changes& dq, Changes& dv, const ContactDirections& directions);
 
   const std::string& why() const { return why_; }
   /// Two flags on all calls of run() so far. `unique` says whether all derivatives exist; they may not exist
@@ -76,9 +76,9 @@ class ContactStepDerivative {
     bool constant;
     double mass;
     Vec3<> u;
-    Eigen::Matrix3Xd du;
-    Eigen::Matrix3Xd turn;    ///< rotations by geometric parameters, in inertial axes; 3 × p or empty
-    Eigen::Matrix3Xd center;  ///< changes of the centre of mass at the start by parameters, 3 × p or empty
+    VectorChanges du;
+    VectorChanges turn;    ///< rotations by geometric parameters, in inertial axes; 3 × p or empty
+    VectorChanges center;  ///< changes of the centre of mass at the start by parameters, 3 × p or empty
   };
   /// A list of contacts, evaluated in one configuration. For each contact, `jets` has the point, the normal
   /// and the gap with their derivatives by a displacement of one body relative to the other, and `axes` has
@@ -113,42 +113,44 @@ class ContactStepDerivative {
   /// row at the start of the substep, divided by the coefficient of friction if it is a friction row of a
   /// contact.
   struct Start {
-    Matrix dq, dv, dtau, friction;
+    Changes dq, dv, dtau, friction;
     Rows rows;
     Impulses first;
     Mass mass;      ///< at q
     Vector v_a, p;  ///< velocities and momenta after impulses; p in moving frames
-    Matrix dp;
+    Changes dp;
     Vector u;  ///< velocities of the rows before the impulses
-    Matrix du, du_rolling;
+    Changes du, du_rolling;
   };
   /// Changes of q and v in the middle of the free motion, and of q and momenta p at its end, with the mass
   /// matrix there.
   struct Flight {
-    Matrix dq_m, dv_m, dq_1, dp_1;
+    Changes dq_m, dv_m, dq_1, dp_1;
     Mass at_1;
   };
   /// The velocities of the contact rows in the middle of the free motion.
   struct Slip {
     Rows rows;
     Vector u;
-    Matrix du;
+    Changes du;
   };
 
   /// The norm √(xᵀ M x) of velocities x; for several columns, the square root of the sum of their squared
   /// norms.
-  static double mass_norm(const Matrix& M, const Matrix& x);
+  static double mass_norm(const Matrix& M, const ChangesArgument& x);
+  Matrix mass_matrix_at(const Vector& q);
   Mass mass(const Vector& q);
   Kinetic kinetic(const Vector& q, const Vector& v);
+  Matrix momenta_by_q(const Vector& q, const Vector& v);  ///< Mv_q alone
   /// Computes the motion of the bodies at (q, v), displaced along each coordinate of q by itself. If shapes
   /// or their places change along the k directions of differentiation, k displacements at constant q follow.
   void displace_each(const Vector& q, const Vector& v);
   /// Computes the motion of the bodies at (q, v), displaced by changes dq and dv of the state. Their first k
   /// columns are along the directions of differentiation, so that shapes and their places change, too.
-  void displace(const Vector& q, const Vector& v, const Matrix& dq, const Matrix& dv);
+  void displace(const Vector& q, const Vector& v, const Changes& dq, const Changes& dv);
   /// The changes, along changes dq of q, of what has the changes x along the displacements of
   /// displace_each(). The first k columns of dq are along the directions of differentiation.
-  Matrix chain(const Eigen::Ref<const Matrix>& x, const Matrix& dq) const;
+  Changes chain(const ChangesArgument& x, const Changes& dq) const;
   /// Finds the points, normals and gaps of contacts with gaps up to `margin`, and their changes along the
   /// displacements of motion_. Returns false if a contact has no formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
@@ -157,12 +159,12 @@ class ContactStepDerivative {
   /// friction for friction rows of contacts, and 1 for all others. Only the factors of sliding friction
   /// change. `friction` has the changes of the coefficients of sliding friction of the shapes, a row for each
   /// shape.
-  Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
-                             const Matrix& friction) const;
+  Changes coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
+                              const Changes& friction) const;
   /// The changes of a contact by the displacements of its shapes on their bodies (p columns).
   ContactChanges placement_changes(std::uint64_t key, const ContactJet& jet) const;
   /// The p columns of a matrix x along the directions of the parameters of the mechanism.
-  auto by_parameters(Matrix& x) const { return x.middleCols(first_, p_); }
+  auto by_parameters(Changes& x) const { return x.middleCols(first_, p_); }
   /// Changes of the restitution of a contact (1 × k) by those of its shapes.
   Eigen::RowVectorXd restitution_changes(const Contact& contact) const;
   void set_axes(const std::vector<Contact>& contacts, Rows& out);
@@ -170,11 +172,13 @@ class ContactStepDerivative {
                     const std::vector<double>& lambda);
   /// The changes of Jᵀ λ along dq, nv rows, for constant impulses λ = `physical` of the constraints with the
   /// Jacobian J. displace_each() must have been called at q.
-  Matrix impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Matrix& dq);
+  Changes impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Changes& dq);
   /// The changes of J x along dq for constant velocities x and the constraint Jacobian J, a row for each
   /// constraint. Writes J x to `u`. displace_each() must have been called at (q, x).
-  Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
-  void begin_bases(const ContactPart& part, const Start& start, const Matrix& Mv_q);
+  Changes velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Changes& dq, Vector& u);
+  Eigen::Matrix3d rotation(int base, const Vector& q) const;  ///< of a floating base, to inertial axes
+  void begin_bases(const ContactPart& part, const Start& start);
+  void differentiate_bases(const ContactPart& part, const Start& start, const Matrix& Mv_q);
   /// Computes the changes of the velocities J v of the loop rows at the start of a substep (a step of a
   /// simulation or a part of one) of length h. J is the Jacobian of the loops at the configuration q_0 at the
   /// start, and v = v_0 + M⁻¹ (P - h G/2), with the velocities v_0 before the substep, the mass matrix M, the
@@ -183,26 +187,28 @@ class ContactStepDerivative {
   /// for each loop row. It has the columns of dq, dv and dp, the changes of q_0, v_0 and P: k columns for the
   /// directions along which the step is differentiated, at constant multipliers, and then a column for each
   /// multiplier of the impulses at the start.
-  Matrix rolling_changes(const ContactPart& part, const Start& start, const Matrix& dp);
+  Changes rolling_changes(const ContactPart& part, const Start& start, const Changes& dp);
   /// The product of a transposed map of maps_ and momenta x.
-  Matrix transposed(GroupDerivatives::Block GroupDerivatives::Joints::*map, const Matrix& x) const;
+  template <class M> M transposed(GroupDerivatives::Block GroupDerivatives::Joints::*map, const M& x) const;
   /// The derivatives of Ad_{exp y}ᵀ p or of dexp_yᵀ p by y.
   Matrix turn_of(const Vector& y, const Vector& p, bool Ad) const;
-  /// Velocities (nv) of the moving frames of floating bases, as joint velocities, a time t after the start.
-  Vector frame_velocity(double t) const;
-  void add_frame_changes(double time, double of_place, double of_velocity, const Matrix& dq_moving,
-                         Matrix* dq, Matrix* dv) const;
-  bool begin(const ContactPart& part, const Matrix& dq, const Matrix& dv, const ContactDirections& directions,
-             Start& out);
+  /// Velocities (nv) of the moving frames of floating bases, as joint velocities at q, a time t after the
+  /// start.
+  Vector frame_velocity(const Vector& q, double t) const;
+  void add_frame_changes(const Vector& q, double time, double of_place, double of_velocity,
+                         const Changes& dq_moving, Changes* dq, Changes* dv) const;
+  bool begin(const ContactPart& part, const Changes& dq, const Changes& dv,
+             const ContactDirections& directions, Start& out);
   Flight fly(const ContactPart& part, const Start& start);
   void take_forces(const ContactPart& part, const Matrix& M, const Kinetic& at_m, const Vector& v_m,
-                   Matrix& f_q, Matrix& f_v, Matrix& df);
+                   Matrix& f_q, Matrix& f_v, Changes& df);
   bool take_slip(const ContactPart& part, const Start& start, const Flight& flight, Slip& out);
   bool take_start_velocities(const ContactPart& part, const Start& start, const Flight& flight,
-                             const Slip& middle, Vector& u, Matrix& du);
-  bool impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle, const Matrix& dlambda,
-                       const Mass& at_1, const Matrix& dp, const Matrix& friction, Matrix& dq, Matrix& dv);
-  bool move_apart(const ContactPart& part, const Mass& at_1, Matrix& dq);
+                             const Slip& middle, Vector& u, Changes& du);
+  bool impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle,
+                       const Changes& dlambda, const Mass& at_1, const Changes& dp, const Changes& friction,
+                       Changes& dq, Changes& dv);
+  bool move_apart(const ContactPart& part, const Mass& at_1, Changes& dq);
   void note(const LawDerivative& law) {
     unique = unique && law.unique;
     at_kink = at_kink || law.at_kink;
@@ -226,10 +232,10 @@ class ContactStepDerivative {
   /// The number k of directions of differentiation, the first one of along_, and their number. The column of
   /// the first direction among the displacements of motion_, if there is one.
   Eigen::Index k_ = 0, first_ = 0, p_ = 0, first_column_ = 0;
-  Matrix each_, none_;  ///< the displacements of displace_each(), and as many zeros
+  Changes each_, none_;  ///< the displacements of displace_each(), and as many zeros
   std::vector<Base> bases_;
-  Matrix thickness_, restitution_;  ///< changes along the directions of differentiation, or empty
-  std::vector<int> place_;          ///< index of each velocity in its joint
+  Changes thickness_, restitution_;  ///< changes along the directions of differentiation, or empty
+  std::vector<int> place_;           ///< index of each velocity in its joint
   std::string why_;
 };
 

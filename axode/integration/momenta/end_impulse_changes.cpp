@@ -24,38 +24,37 @@ int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {
 /// Differentiates the impulses of contacts, stops, dry friction and loops at the end of a substep (D11.22). A
 /// substep is a whole step or a part of one. Computes the changes dv of the velocities after these impulses
 /// from the changes dq and dp of the coordinates and momenta before them, with a column for each direction of
-/// differentiation.
+/// differentiation. displace_each() must have been called at the end of the substep.
 bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle,
-                                            const Matrix& dlambda, const Mass& at_1, const Matrix& dp,
-                                            const Matrix& friction, Matrix& dq, Matrix& dv) {
+                                            const Changes& dlambda, const Mass& at_1, const Changes& dp,
+                                            const Changes& friction, Changes& dq, Changes& dv) {
   const VectorXd& q_1 = part.q_1;
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_end.size());
   const int width = system_.contact_rows();
-  VectorXd v_1 = part.v_before_end;
+  const VectorXd& v_1 = part.v_1;
   Impulses last;
   Rows rows;
-  if (m > 0) {
-    last = set_rows(q_1, part.end, part.h / 2, ContactPart::near_stop, part.lambda_end);
-    v_1 += at_1.factor.solve(last.J.transpose() * last.physical());
-  }
-  displace_each(q_1, v_1);
+  if (m > 0) last = set_rows(q_1, part.end, part.h / 2, ContactPart::near_stop, part.lambda_end);
   if (!find(part.end, part.margin, rows)) return false;
   set_axes(part.end, rows);
-  const VectorXd v_moving = v_1 - frame_velocity(part.h);
-  Matrix momenta = dp - kinetic(q_1, v_moving).Mv_q * dq;
+  const VectorXd v_moving = v_1 - frame_velocity(q_1, part.h);
+  Changes momenta = dp;
+  subtract_product(momenta_by_q(q_1, v_moving), dq, momenta);
   if (p_ > 0) {
     parameter_changes_.run(q_1.data(), v_moving.data(), along_);
     by_parameters(momenta) -= parameter_changes_.momenta;
   }
   if (m > 0) momenta += impulse_changes(q_1, rows, last.physical(), dq);
   if (m > 0 && friction.size() > 0)
-    momenta += last.J.transpose() * (last.lambda.asDiagonal() * coefficient_changes(part.end, m, friction));
-  dv = at_1.factor.solve(momenta);
-  add_frame_changes(part.h, 0, 1, dq, nullptr, &dv);
+    add_product(last.J.transpose(), last.lambda.asDiagonal() * coefficient_changes(part.end, m, friction),
+                momenta);
+  dv = at_1.factor.solve_changes(momenta);
+  add_frame_changes(q_1, part.h, 0, 1, dq, nullptr, &dv);
   if (m == 0) return true;
 
   VectorXd u;
-  Matrix du = velocity_changes(q_1, v_1, rows, dq, u) + last.J * dv;
+  Changes du = velocity_changes(q_1, v_1, rows, dq, u);
+  add_product(last.J, dv, du);
   for (std::size_t c = 0; c < part.end.size(); ++c) {
     const Contact& contact = part.end[c];
     const int before = place_of(part.start, contact.key);
@@ -72,7 +71,7 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
     if (!part.slides[b]) continue;
     const ContactFrame &from = middle.rows.axes[b], &to = rows.axes[c];
     const FrameChanges& dfrom = middle.rows.daxes[b];
-    const Matrix dt1 = chain(rows.daxes[c].t1, dq), dt2 = chain(rows.daxes[c].t2, dq);
+    const Changes dt1 = chain(rows.daxes[c].t1, dq), dt2 = chain(rows.daxes[c].t2, dq);
     const auto turn = [&](int first) {
       const double x = middle.u[row_0 + first], y = middle.u[row_0 + first + 1];
       const Vec3<> vector = x * from.t1 + y * from.t2;
@@ -81,8 +80,12 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
                                    to_eigen(from.t2) * middle.du.row(row_0 + first + 1);
       u[row + first] += dot(vector, to.t1);
       u[row + first + 1] += dot(vector, to.t2);
-      du.row(row + first) += to_eigen(to.t1).transpose() * change + to_eigen(vector).transpose() * dt1;
-      du.row(row + first + 1) += to_eigen(to.t2).transpose() * change + to_eigen(vector).transpose() * dt2;
+      const auto add = [&](Eigen::Index k, const Vec3<>& axis, const Changes& daxis) {
+        add_product(to_eigen(axis).transpose(), change, du.middleRows(row + first + k, 1));
+        add_product(to_eigen(vector).transpose(), daxis, du.middleRows(row + first + k, 1));
+      };
+      add(0, to.t1, dt1);
+      add(1, to.t2, dt2);
     };
     turn(1);
     if (width > 3) {
@@ -119,12 +122,12 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
       differentiate_law(system_.problem(), part.lambda_end.data(), scaled.data(), G, last.c.asDiagonal() * du,
                         mass_norm(at_1.M, v_1), [&] { return mass_norm(at_1.M, dv); });
   note(law);
-  dv += at_1.factor.solve(last.J.transpose() * (last.c.asDiagonal() * law.multipliers));
+  dv += at_1.factor.solve_changes(product(last.J.transpose(), last.c.asDiagonal() * law.multipliers));
   return true;
 }
 
 /// Differentiates the displacement that removes overlaps (D11.23): replaces dq before it by dq after it.
-bool ContactStepDerivative::move_apart(const ContactPart& part, const Mass& at_1, Matrix& dq) {
+bool ContactStepDerivative::move_apart(const ContactPart& part, const Mass& at_1, Changes& dq) {
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_apart.size()), nv = dq.rows(), k = dq.cols();
   const int width = system_.contact_rows();
   const Impulses apart =
@@ -134,19 +137,21 @@ bool ContactStepDerivative::move_apart(const ContactPart& part, const Mass& at_1
   Rows rows;
   if (!find(part.apart, part.margin, rows)) return false;
   set_axes(part.apart, rows);
-  Matrix momenta = impulse_changes(part.q_1, rows, apart.physical(), dq) - kinetic(part.q_1, y).Mv_q * dq;
+  Changes momenta = impulse_changes(part.q_1, rows, apart.physical(), dq);
+  subtract_product(momenta_by_q(part.q_1, y), dq, momenta);
   if (p_ > 0) {
     parameter_changes_.run(part.q_1.data(), y.data(), along_);
     by_parameters(momenta) -= parameter_changes_.momenta;
   }
-  Matrix dy = at_1.factor.solve(momenta);
+  Changes dy = at_1.factor.solve_changes(momenta);
   VectorXd u;
-  Matrix du = velocity_changes(part.q_1, y, rows, dq, u) + apart.J * dy;
+  Changes du = velocity_changes(part.q_1, y, rows, dq, u);
+  add_product(apart.J, dy, du);
   const std::span<const double> room = system_.room();
   for (std::size_t c = 0; c < part.apart.size(); ++c) {
     const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
     u[row] += std::max(room[c], -part.most_apart);
-    if (room[c] > -part.most_apart) du.row(row) += chain(rows.changes[c].gap, dq);
+    if (room[c] > -part.most_apart) du.row(row) += chain(rows.changes[c].gap(), dq);
   }
   for (std::size_t s = 0; s < system_.active_stops().size(); ++s) {
     const std::size_t n = part.apart.size() + s;
@@ -165,7 +170,7 @@ bool ContactStepDerivative::move_apart(const ContactPart& part, const Mass& at_1
     for (const LoopPath& path : loops.table().paths)
       for (int r = 0; r < path.residuals.count; ++r)
         if (const Eigen::Index row = loop + path.rows.first + r; system_.problem().moves(index(row)))
-          du.row(row) += R.row(path.residuals.first + r) * dq;
+          add_product(R.row(path.residuals.first + r), dq, du.middleRows(row, 1));
   }
   Matrix G(m, m);
   system_.problem().delassus(G);
@@ -175,9 +180,9 @@ bool ContactStepDerivative::move_apart(const ContactPart& part, const Mass& at_1
       differentiate_law(system_.problem(), part.lambda_apart.data(), scaled.data(), G,
                         apart.c.asDiagonal() * du, size, [&] { return mass_norm(at_1.M, dq); });
   note(law);
-  dy += at_1.factor.solve(apart.J.transpose() * (apart.c.asDiagonal() * law.multipliers));
+  dy += at_1.factor.solve_changes(product(apart.J.transpose(), apart.c.asDiagonal() * law.multipliers));
   maps_.at(y.data(), y.data());
-  Matrix moved = Matrix::Zero(nv, k);
+  Changes moved = Changes::Zero(nv, k);
   maps_.add(&Joints::carry, dq, moved);
   maps_.add(&Joints::velocity, dy, moved);
   dq = moved;

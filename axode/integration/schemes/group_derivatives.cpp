@@ -36,31 +36,12 @@ void GroupDerivatives::take(const Joint& joint, const double* x, const double* y
   }
 }
 
-template <class F>
-void GroupDerivatives::add_to(Block Joints::*map, const Matrix& z, Matrix& out, const F& f) const {
-  for (const Joints& joints : joints_) {
-    if (joints.body > 0)
-      out.middleRows(joints.first, joints.n).noalias() +=
-          f(joints.*map) * z.middleRows(joints.first, joints.n);
-    else if (map != &Joints::turn)
-      out.middleRows(joints.first, joints.n) += z.middleRows(joints.first, joints.n);
-  }
-}
-
 void GroupDerivatives::at(const double* x, const double* y) noexcept {
   for (Joints& joints : joints_)
     if (const int i = joints.body; i > 0)
       with_subgroup((*tree_)->kind[i], tree_->pitch[i], [&]<class Joint>(const Joint& joint) {
         if constexpr (Joint::nv > 1) take(joint, x + joints.first, y + joints.first, joints);
       });
-}
-
-void GroupDerivatives::add(Block Joints::*map, const Matrix& z, Matrix& out) const {
-  add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
-}
-
-void GroupDerivatives::add_transposed(Block Joints::*map, const Matrix& z, Matrix& out) const {
-  add_to(map, z, out, [](const Block& block) { return block.transpose(); });
 }
 
 }  // namespace axode

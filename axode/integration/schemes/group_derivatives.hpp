@@ -1,9 +1,11 @@
 #pragma once
 #include <Eigen/Core>
+#include <type_traits>
 #include <vector>
 
 #include "axode/lie/twist.hpp"
 #include "axode/model/tree.hpp"
+#include "axode/recursion/changes.hpp"
 
 namespace axode {
 
@@ -12,7 +14,7 @@ namespace axode {
 /// the rate of x for the velocity y, changes by dexp⁻¹_{-x} δy + (D dexp⁻¹_{-x} y) δx.
 class GroupDerivatives {
  public:
-  using Matrix = Eigen::MatrixXd;  ///< matrix with a row for each velocity
+  using Matrix = Eigen::MatrixXd;
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
   /// The four maps of a joint of several velocities; or a range of joints of one velocity, without matrices.
@@ -31,13 +33,28 @@ class GroupDerivatives {
   /// Products with a map, such as dexp_{-x}, that has been computed for all joints at a displacement x. add()
   /// adds the product of the map and z to `out`, and add_transposed() the product of the transposed map and
   /// z. z and `out` have nv rows and one or more columns.
-  void add(Block Joints::*map, const Matrix& z, Matrix& out) const;
-  void add_transposed(Block Joints::*map, const Matrix& z, Matrix& out) const;
+  template <class M> void add(Block Joints::*map, const M& z, M& out) const {
+    add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
+  }
+  template <class M> void add_transposed(Block Joints::*map, const M& z, M& out) const {
+    add_to(map, z, out, [](const Block& block) { return block.transpose(); });
+  }
 
  private:
   template <class Joint>
   static void take(const Joint& joint, const double* x, const double* y, Joints& to) noexcept;
-  template <class F> void add_to(Block Joints::*map, const Matrix& z, Matrix& out, const F& f) const;
+  template <class M, class F> void add_to(Block Joints::*map, const M& z, M& out, const F& f) const {
+    for (const Joints& joints : joints_) {
+      const auto own = [&](auto& x) { return x.middleRows(joints.first, joints.n); };
+      if (joints.body == 0) {
+        if (map != &Joints::turn) own(out) += own(z);
+      } else if constexpr (std::is_same_v<M, Changes>) {
+        add_product(f(joints.*map), own(z), own(out));
+      } else {
+        own(out).noalias() += f(joints.*map) * own(z);
+      }
+    }
+  }
 
   const Tree<double>* tree_;
   std::vector<Joints> joints_;
