@@ -11,7 +11,7 @@ namespace axode::batch {
 
 bool check_loops(const Model& model, std::span<const double> q, std::span<const double> v, int threads,
                  const Monitor& monitor) {
-  if (model.loops().empty()) return true;
+  if (model.loops().empty() && model.motions().empty()) return true;
   const std::size_t nq = model.nq(), nv = model.nv(), N = q.size() / nq;
   check_size("v", v.size(), N * nv, "nv N");
   const Monitor asked = [&](std::size_t, std::size_t of) { return !monitor || monitor(0, of); };

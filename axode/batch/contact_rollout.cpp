@@ -15,6 +15,7 @@
 #include "axode/integration/momenta/contact_motion.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/simulation.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode::batch {
 namespace {
@@ -24,14 +25,16 @@ using Span = std::span<const double>;
 /// Integrates motions with contact, one after the other, in the same memory.
 class RolledMotion {
  public:
-  /// Allocates the memory for all motions. This needs a finite state (q, v) with closed loops, for example
-  /// the start of the first motion; begin() then sets the start of each motion. `goes_on` is called in the
-  /// thread of the motion during steps that take many iterations. If it returns false, the motion ends.
-  RolledMotion(const Model& model, const ContactShapes& shapes, Span q, Span v, const Drive& drive,
-               const DriveMotions& drives, bool joint_losses, const std::function<bool()>& goes_on)
+  /// Allocates the memory for all motions, which end at the time `until` (s). This needs a finite state (q,
+  /// v) with closed loops, for example the start of the first motion; begin() then sets the start of each
+  /// motion. `goes_on` is called in the thread of the motion during steps that take many iterations. If it
+  /// returns false, the motion ends.
+  RolledMotion(const Model& model, const ContactShapes& shapes, Span q, Span v, double until,
+               const Drive& drive, const DriveMotions& drives, bool joint_losses,
+               const std::function<bool()>& goes_on)
       : drive_(drive),
         options_(options_with(drives, goes_on)),
-        run_(model, q, v, 0, options_, joint_losses),
+        run_(model, q, v, until, options_, joint_losses),
         steps_(run_, shapes, joint_losses) {}
   RolledMotion(const RolledMotion&) = delete;
   RolledMotion& operator=(const RolledMotion&) = delete;
@@ -109,6 +112,9 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, const Motio
     check_separate("certificates", certificates, name, states);
   const DriveSystem system(model, drives.added);
   check_drives(motions, drives, system, N, {});
+  if (!model.motions().empty() && drives.t != 0)
+    throw std::invalid_argument("the motions begin at t = " + to_text(drives.t) +
+                                " s; with prescribed motions they begin at 0 s");
   if (!check_loops(model, motions.q, motions.v, threads, monitor)) return {};
 
   for (const std::span<double> out : {motions.q_out, motions.v_out, drives.x_out, certificates})
@@ -124,6 +130,7 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, const Motio
     if (!drives.x_out.empty()) std::ranges::copy(x, drives.x_out.subspan(row * nx, nx).begin());
   };
   const auto time = [&](std::size_t k) { return drives.t + static_cast<double>(k) * motions.step; };
+  const double duration = static_cast<double>(K) * motions.step;
   std::size_t first = 0;  // of the motions that can begin
   while (first < N && !is_finite(first)) ++first;
 
@@ -139,8 +146,8 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, const Motio
   in_portions(N, 1, threads, {}, [&]() -> Work {
     std::shared_ptr<RolledMotion> motion;
     if (first < N)
-      motion = std::make_shared<RolledMotion>(model, shapes, q_of(first), v_of(first), motions.drive, drives,
-                                              joint_losses, goes_on);
+      motion = std::make_shared<RolledMotion>(model, shapes, q_of(first), v_of(first), duration,
+                                              motions.drive, drives, joint_losses, goes_on);
     return [&, motion](std::size_t n, std::size_t) {
       const Span x = drives.x.empty() ? Span{} : drives.x.subspan(n * nx, nx);
       write(n, 0, q_of(n), v_of(n), x);

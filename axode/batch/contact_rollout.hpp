@@ -20,8 +20,8 @@ namespace axode::batch {
 /// with drives that have states: a step is divided where the law of a drive changes to another branch, and
 /// where an input of a drive jumps. No step allocates after the first ones, and the results do not depend on
 /// the number of threads. Throws std::invalid_argument for models, shapes and a step that simulate_contact()
-/// refuses, for prescribed motions, for quaternions that are not of unit norm, and for arrays of a wrong
-/// size.
+/// refuses, for quaternions that are not of unit norm, for arrays of a wrong size, and for initial states
+/// that do not close the loops or do not follow prescribed motions, which begin at time 0.
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              std::span<double> q_out, std::span<double> v_out,

@@ -23,7 +23,7 @@ constexpr catalog::Counts without_contact{.loops = catalog::counted,
 /// The properties that FMUs for co-simulation count if the mechanism moves with contact.
 constexpr catalog::Counts with_contact = [] {
   catalog::Counts counts = without_contact;
-  counts.motions = counts.plays = catalog::refused("remove [contact] and the hard stops of joints");
+  counts.plays = catalog::refused("remove [contact] and the hard stops of joints");
   counts.contacts = catalog::counted;
   return counts;
 }();

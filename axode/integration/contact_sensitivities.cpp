@@ -34,7 +34,8 @@ struct Counts {
 
   /// Counts the parameters of those kinds (surfaces, placement, inertia, geometry) for which `asked` has a
   /// span that is not empty. Throws std::invalid_argument if `asked` has geometric parameters and the model
-  /// has closed loops or springs between frames, because the derivatives by geometry are then not known.
+  /// has closed loops, prescribed motions or springs between frames, because the derivatives by geometry are
+  /// then not known.
   template <class T>
   Counts(const Model& model, const ContactShapes& shapes, const ContactParameters<T>& asked)
       : surfaces(asked.surfaces.empty() ? 0 : 3 * shapes.size()),
@@ -43,6 +44,7 @@ struct Counts {
         geometry(asked.geometry.empty() ? 0 : 6 * model.n_bodies()) {
     const char* const what = model.springs().between_frames() ? "springs between frames"
                              : !model.loops().empty()         ? "closed loops"
+                             : !model.motions().empty()       ? "prescribed motions"
                                                               : nullptr;
     if (geometry > 0 && what)
       throw std::invalid_argument("model \"" + model.name() + "\" has " + what +
@@ -54,8 +56,9 @@ struct Counts {
 /// Steps of a motion with contact under forces that are constant in each step, with their derivatives.
 class TangentContactSteps {
  public:
-  TangentContactSteps(const Model& model, const ContactShapes& shapes, Span q_0, Span v_0, double step,
-                      const Monitor& monitor)
+  /// For K steps of length `step`.
+  TangentContactSteps(const Model& model, const ContactShapes& shapes, Span q_0, Span v_0, std::size_t K,
+                      double step, const Monitor& monitor)
       : q(as_eigen(q_0)),
         v(as_eigen(v_0)),
         tau_(model.nv(), 0.0),
@@ -63,9 +66,9 @@ class TangentContactSteps {
         options_{.drive = [this](double, Span, Span,
                                  std::span<double> tau) { std::ranges::copy(tau_, tau.begin()); },
                  .monitor = [monitor](double) { return !monitor || monitor(); }},
-        run_(model, q_0, v_0, 0, options_, true),
-        scheme_(run_, model, shapes, true),
-        derivative_(model, shapes, true, true) {
+        run_(model, q_0, v_0, static_cast<double>(K) * step, options_, true),
+        scheme_(run_, run_.closed_model(), shapes, true),
+        derivative_(run_.closed_model(), shapes, true, true) {
     scheme_.keep_parts = true;
   }
   TangentContactSteps(const TangentContactSteps&) = delete;
@@ -164,7 +167,7 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
         "K * 2 nv * 6 n for n shapes, or empty"},
        {"out.by.inertia", out.by.inertia, rows_of(counts.inertia), "K * 2 nv * 10 n_bodies, or empty"},
        {"out.by.geometry", out.by.geometry, rows_of(counts.geometry), "K * 2 nv * 6 n_bodies, or empty"}});
-  TangentContactSteps steps(model, shapes, q, v, step, monitor);
+  TangentContactSteps steps(model, shapes, q, v, K, step, monitor);
   const Eigen::Index n = model.nv();
   const AllDirections along(n, counts);
   std::ranges::copy(q, out.q.begin());
@@ -214,7 +217,7 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
        {"parameters.inertia", parameters.inertia, index(counts.inertia), "10 n_bodies, or empty"},
        {"parameters.geometry", parameters.geometry, index(counts.geometry), "6 n_bodies, or empty"}},
       {{"dq_out", dq_out, (K + 1) * nv, "(K + 1) nv"}, {"dv_out", dv_out, (K + 1) * nv, "(K + 1) nv"}});
-  TangentContactSteps steps(model, shapes, q, v, step, monitor);
+  TangentContactSteps steps(model, shapes, q, v, K, step, monitor);
   Changes dq_k = as_eigen(dq), dv_k = as_eigen(dv);
   const auto column = [](Span x) { return x.empty() ? Changes() : Changes(as_eigen(x)); };
   const std::size_t n = index(counts.surfaces) / 3;
@@ -259,7 +262,7 @@ ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& 
        {"by_parameters.placement", by.placement, index(counts.placement), "6 n for n shapes, or empty"},
        {"by_parameters.inertia", by.inertia, index(counts.inertia), "10 n_bodies, or empty"},
        {"by_parameters.geometry", by.geometry, index(counts.geometry), "6 n_bodies, or empty"}});
-  TangentContactSteps steps(model, shapes, q, v, step, monitor);
+  TangentContactSteps steps(model, shapes, q, v, K, step, monitor);
   const Eigen::Index n = model.nv();
   std::vector<Changes> changes;  // (dq; dv) at the end of each step, 2nv rows
   const AllDirections along(n, counts);

@@ -11,14 +11,15 @@
 /// differentiation of the equations of a step (D11.19 to D11.23, D11.36 to D11.38): which contacts touch,
 /// stick, slide and bounce is taken as unchanged by a small displacement. At a gap of 0, the derivative is
 /// that of a displacement that opens the gap. Displacements and gradients of q are left-trivialised, along q
-/// ⊕ ε dq. Damping and dry friction of joints, springs, hard stops and closed loops act.
+/// ⊕ ε dq. Damping and dry friction of joints, springs, hard stops and closed loops act, and prescribed
+/// motions are followed from time 0.
 ///
 /// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
-/// unit norm, step <= 0, shapes of another model or with a stiffness, prescribed motions, drives with states,
-/// couplings with play, and results that share memory with arguments. Contact points must have a formula that
-/// can be differentiated. This is the case for planes with any shape, spheres and capsules with each other,
-/// boxes with spheres, and two boxes if a face of one of them touches. If a contact has no such formula, or a
-/// step fails, ContactSensitivity::failure says so, and all results are NaN.
+/// unit norm, step <= 0, shapes of another model, drives with states, couplings with play, states that do not
+/// follow prescribed motions, and results that share memory with arguments. Contact points must have a
+/// formula that can be differentiated. This is the case for planes with any shape, spheres and capsules with
+/// each other, boxes with spheres, and two boxes if a face of one of them touches. If a contact has no such
+/// formula, or a step fails, ContactSensitivity::failure says so, and all results are NaN.
 namespace axode {
 
 /// Whether a computation of sensitivities failed, and whether the derivatives exist.
@@ -54,8 +55,8 @@ template <class T> struct ContactParameters {
   /// Numbers for the 6 b geometric parameters of the tree, such as changes of these parameters or derivatives
   /// by them. The six parameters of each of the b moving bodies displace its joint and its subtree relative
   /// to the predecessor (rad and m), along the unit screws, angular before linear, of the frame that the body
-  /// has while its joint is at zero. For models with loops or with springs between frames the span must be
-  /// empty, or std::invalid_argument is thrown.
+  /// has while its joint is at zero. For models with loops, prescribed motions or springs between frames the
+  /// span must be empty, or std::invalid_argument is thrown.
   std::span<T> geometry = {};
 };
 

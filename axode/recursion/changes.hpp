@@ -32,8 +32,8 @@ struct MatrixView {
   }
 };
 
-/// Returns A x, the changes of numbers whose derivatives by the numbers of x are A. Costs O(rows · columns) for
-/// each direction, but less if A or x have many zeros.
+/// Returns A x, the changes of numbers whose derivatives by the numbers of x are A. Costs O(rows · columns)
+/// for each direction, but less if A or x have many zeros.
 AXODE_ENTRY Changes product(const MatrixView& A, const ChangesArgument& x);
 /// Adds A x to `out`, or subtracts it; `out` must not share memory with x.
 AXODE_ENTRY void add_product(const MatrixView& A, const ChangesArgument& x, ChangesResult out);

@@ -89,6 +89,52 @@ TEST(ContactRollout, HasTheMotionsOfSimulationsToTheLastBit) {
   }
 }
 
+/// Boxes on belts that shake.
+TEST(ContactRollout, FollowsPrescribedMotionsAsSimulationsDo) {
+  Description d = free_bodies({collision_shape(ShapeKind::box, {0.4, 0.3, 0.2}, 0, 0.3)}).description();
+  BodyDescription belt{.name = "belt"};
+  belt.joint = {.name = "rail", .kind = JointKind::prismatic, .axis = {1, 0, 0}};
+  belt.inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}};
+  belt.shapes = {collision_shape(ShapeKind::plane, {}, 0, 0.3)};
+  d.bodies.push_back(belt);
+  d.contact = ContactDescription{};
+  d.motions = {{.of = "rail", .kind = MotionDescription::Kind::harmonic, .amplitude = 0.05, .frequency = 3}};
+  const Model model = ModelBuilder(d).build();
+  constexpr std::size_t N = 3, K = 100;
+  constexpr double step = 2e-3;
+  Numbers q, v;
+  for (std::size_t n = 0; n < N; ++n) {
+    const double height = 0.1 + 0.02 * static_cast<double>(n);
+    const AssemblyResult start = assemble(model, Numbers{0, 0, 0, 1, 0, 0, height, 0}, Numbers(7));
+    ASSERT_EQ(start.status, AssemblyStatus::closed);
+    q.insert(q.end(), start.q.begin(), start.q.end());
+    v.insert(v.end(), start.v.begin(), start.v.end());
+  }
+  Numbers q_out(N * (K + 1) * 8), v_out(N * (K + 1) * 7);
+  const ContactShapes shapes(model);
+  const auto roll = [&](const Numbers& v_0, const batch::DriveMotions& drives) {
+    return batch::rollout_with_contact(model, shapes, q, v_0, Numbers(N * K * 7), step, q_out, v_out, {}, 2,
+                                       {}, false, drives);
+  };
+  EXPECT_TRUE(roll(v, {}).ok());
+  for (std::size_t n = 0; n < N; ++n) {
+    const Trajectory one = simulate_contact(model, shapes, std::span(q).subspan(8 * n, 8),
+                                            std::span(v).subspan(7 * n, 7), step * K, step);
+    ASSERT_EQ(one.size(), K + 1);
+    EXPECT_TRUE(std::ranges::equal(one.q(), std::span(q_out).subspan(n * one.q().size(), one.q().size())));
+    EXPECT_TRUE(std::ranges::equal(one.v(), std::span(v_out).subspan(n * one.v().size(), one.v().size())));
+    EXPECT_GT(std::abs(one.v(K)[3]), 1e-3) << "the belt moves the box";
+  }
+  const auto refuses = [](const char* why) {
+    return testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr(why));
+  };
+  Numbers other = v;
+  other.back() += 0.1;
+  EXPECT_THAT([&] { static_cast<void>(roll(other, {})); }, refuses("state 2: "));
+  EXPECT_THAT([&] { static_cast<void>(roll(v, {.t = 1})); },
+              refuses("with prescribed motions they begin at 0 s"));
+}
+
 /// Hoppers that fall on a floor, whose motors reach their limits, and whose controllers have inputs that jump.
 struct Hoppers {
   static constexpr std::size_t N = 3, K = 300;

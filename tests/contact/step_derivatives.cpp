@@ -168,6 +168,43 @@ TEST(StepDerivatives, OfTreesAgreeWithDifferences) {
       }
 }
 
+/// A ball falls on a plate that follows a motion, sticks to it or slides, and bounces or does not. The states
+/// change along all directions in which the plate goes on following its motion.
+TEST(StepDerivatives, OfMechanismsThatFollowMotionsAgreeWithDifferences) {
+  for (const double friction : {0.2, 5.0})
+    for (const double restitution : {0.0, 0.4}) {
+      SCOPED_TRACE(std::to_string(friction) + " " + std::to_string(restitution));
+      Bodies bodies(friction);
+      bodies.add(shape_of(ShapeKind::sphere, {0.15, 0, 0}, friction, restitution));
+      Description& d = bodies.description;
+      BodyDescription plate = d.bodies[0];
+      plate.name = "plate";
+      plate.joint = {.name = "turn", .kind = JointKind::revolute, .axis = {0.2, 1, 0.5}};
+      plate.shapes = std::exchange(d.shapes, {});
+      d.bodies.push_back(plate);
+      d.motions = {{.of = "turn", .coefficients = {0.1, 1.5, -2, 3}}};
+      const double gap = Distances(bodies.build())
+                             .evaluate([] {
+                               std::vector<double> q = posed({}, {});
+                               q.push_back(0.1);
+                               return q;
+                             }())[0]
+                             .distance;
+      const Vec3<> n = exp_SO3((0.1 / norm(d.bodies[1].joint.axis)) * d.bodies[1].joint.axis) * up();
+      std::vector<double> q = posed({0.3, -0.2, 0.4}, (1e-3 - gap) * n);
+      q.push_back(0.1);
+      const std::vector<double> v{0.5, -1, 0.3, 0.2, 0.1, -1, 1.5}, tau{0.1, -0.2, 0.3, 1, -2, 0.5, 4};
+      Matrix along = Matrix::Zero(21, 19);
+      along.topLeftCorner(6, 6).setIdentity();
+      along.block(7, 6, 6, 6).setIdentity();
+      along.bottomRightCorner(7, 7).setIdentity();
+      const Model model = bodies.build();
+      expect_derivatives(model, {q, v, tau}, 1e-7, 1e-5, along);
+      const Start start{q, v, tau};
+      expect_parameter_derivatives(model, start, step_of(model, ContactShapes(model), start), 1e-7, 1e-5);
+    }
+}
+
 /// Bodies on a compliant floor that begin or end to touch in the step, or touch all the time, and stick or
 /// slide.
 TEST(StepDerivatives, OfCompliantContactsAgreeWithDifferences) {

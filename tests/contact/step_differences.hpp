@@ -103,7 +103,8 @@ inline Parameters one_kind(const Model& model, const ContactShapes& shapes, int 
     }
   x.placement = random_numbers(random, 6 * n, kind == 1 ? 1 : 0);
   x.inertia = random_numbers(random, 10 * b, kind == 2 ? 0.01 : 0);
-  if (model.loops().empty()) x.geometry = random_numbers(random, 6 * b, kind == 3 ? 1 : 0);
+  if (model.loops().empty() && model.motions().empty())
+    x.geometry = random_numbers(random, 6 * b, kind == 3 ? 1 : 0);
   return x;
 }
 /// The model with other parameters.
@@ -145,7 +146,7 @@ inline void expect_parameter_derivatives(const Model& model, const Start& start,
   const auto rows = [nv](std::size_t columns) { return Rows(2 * nv, columns); };
   Rows A = rows(2 * nv), B = rows(nv), C = rows(n), by_placement = rows(2 * n), by_inertia = rows(5 * b),
        by_geometry = rows(3 * b);
-  const bool tree = model.loops().empty();
+  const bool tree = model.loops().empty() && model.motions().empty();
   if (!tree) by_geometry = rows(0);
   const ContactSensitivity all =
       contact_rollout_derivatives(model, shapes, start.q, start.v, start.tau, start.step,

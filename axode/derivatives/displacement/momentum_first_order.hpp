@@ -174,8 +174,8 @@ template <class T> struct MomentumFirstOrder {
   }
 
   /// Calls Mv_by_q, by_q and by_v as f(component, direction, part of the entry) for the entries of three
-  /// matrices: the derivative of the momenta M v by q, and, if they are given, those of their rates p' by q and
-  /// by v. If several joints share a velocity, its entries come in several parts, which add up.
+  /// matrices: the derivative of the momenta M v by q, and, if they are given, those of their rates p' by q
+  /// and by v. If several joints share a velocity, its entries come in several parts, which add up.
   template <class MvByQ, class... ByQAndByV>
   void each_entry(const Tree<T>& tree, const MvByQ& Mv_by_q, const ByQAndByV&... rates_by) noexcept {
     for (int i = 1; i <= tree->n; ++i)

@@ -61,6 +61,8 @@ ContactMotion::ContactMotion(const Model& model, const ContactShapes& shapes, Sp
       shapes_(shapes),
       options_(options),
       free_options_(without_losses(options)),
+      q_0_(as_eigen(q)),
+      v_0_(as_eigen(v)),
       run_(model_, q, v, until, free_options_, options.joint_losses),
       steps_(run_, shapes_, options.joint_losses),
       until_(until) {
@@ -68,8 +70,8 @@ ContactMotion::ContactMotion(const Model& model, const ContactShapes& shapes, Sp
 }
 
 std::unique_ptr<ContactMotion> ContactMotion::fork() const {
-  const Span q = as_span(run_.q), v = as_span(run_.v);
-  auto made = std::make_unique<ContactMotion>(model_, shapes_, q, v, until_, options_);
+  auto made =
+      std::make_unique<ContactMotion>(model_, shapes_, as_span(q_0_), as_span(v_0_), until_, options_);
   made->run_.continue_from(run_);
   made->steps_.continue_from(steps_);
   made->length_ = length_;

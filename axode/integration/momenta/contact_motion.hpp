@@ -95,6 +95,7 @@ class ContactMotion {
   Model model_;
   ContactShapes shapes_;
   SimulationOptions options_, free_options_;
+  Eigen::VectorXd q_0_, v_0_;  ///< the state at the beginning
   ContactSimulationRun run_;
   ContactSteps steps_;
   double until_, length_ = 0;  ///< the end of the motion, and the length of the next adaptive step, s

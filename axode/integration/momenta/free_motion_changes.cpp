@@ -90,8 +90,8 @@ void ContactStepDerivative::begin_bases(const ContactPart& part, const Start& st
 }
 
 /// Computes the changes of the velocities of the moving frames. Mv_q and parameter_changes_ belong to the
-/// velocities in the moving frames. The velocity u of a frame adds to the linear momentum of the base only the
-/// product of the mass and u, whose change is that of u and, by parameters, of the mass.
+/// velocities in the moving frames. The velocity u of a frame adds to the linear momentum of the base only
+/// the product of the mass and u, whose change is that of u and, by parameters, of the mass.
 void ContactStepDerivative::differentiate_bases(const ContactPart& part, const Start& start,
                                                 const Matrix& Mv_q) {
   for (Base& base : bases_) {

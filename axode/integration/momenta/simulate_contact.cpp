@@ -12,19 +12,13 @@
 namespace axode {
 namespace {
 
-/// The properties that rollouts with contact count: those that their sensitivities count, and drives.
-constexpr catalog::Counts of_rollouts = [] {
+/// The properties that simulations and rollouts with contact count: those that their sensitivities count, and
+/// drives.
+constexpr catalog::Counts counts = [] {
   constexpr catalog::OtherId contact("contact");
-  catalog::Counts counts = catalog::other_functions[contact.index].counts;
-  counts.drives = catalog::counted;
-  return counts;
-}();
-
-/// The properties that simulations with contact count: also prescribed motions.
-constexpr catalog::Counts of_simulations = [] {
-  catalog::Counts counts = of_rollouts;
-  counts.motions = catalog::counted;
-  return counts;
+  catalog::Counts out = catalog::other_functions[contact.index].counts;
+  out.drives = catalog::counted;
+  return out;
 }();
 
 }  // namespace
@@ -36,13 +30,13 @@ bool has_hard_stops(const Model& model) {
 
 void check_contact(const Model& model, const ContactShapes& shapes) {
   check_shapes(model, shapes);
-  catalog::check_counts("contact", of_rollouts, model, catalog::Caller::whole);
+  catalog::check_counts("contact", counts, model, catalog::Caller::whole);
 }
 
 void check_contact_simulation(const char* method, const Model& model, const ContactShapes& shapes,
                               const SimulationOptions& options) {
   check_shapes(model, shapes);
-  catalog::check_counts(method, of_simulations, model, catalog::Caller::whole);
+  catalog::check_counts(method, counts, model, catalog::Caller::whole);
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument(std::string(method) + " needs coordinates = \"relative\"; got \"" +
                                 std::string(to_string(options.coordinates)) + '"');

@@ -19,7 +19,7 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
 bool has_hard_stops(const Model& model);
 
 /// Checks the arguments of rollouts with contact. Throws std::invalid_argument if the shapes were made from a
-/// model with another number of moving bodies, and for prescribed motions and couplings with play.
+/// model with another number of moving bodies, and for couplings with play.
 void check_contact(const Model& model, const ContactShapes& shapes);
 /// Checks the arguments of a simulation with contact. Throws std::invalid_argument if the shapes were made
 /// from a model with another number of moving bodies, for couplings with play, and for the options
