@@ -25,7 +25,7 @@ Changes geometric_displacements(const Tree<double>& tree, const SpatialTree<doub
     Matrix6<double> U;
     each_unit_screw(at.link[i].C * frame_at_zero(tree, i, q),
                     [&](int u, const Screw<>& X) { U.col(u) = to_eigen(X); });
-    xi.middleRows<6>(6 * i) = U * geometry.middleRows<6>(6 * (i - 1));
+    add_product(U, geometry.middleRows<6>(6 * (i - 1)), xi.middleRows<6>(6 * i));
   }
   return xi;
 }
@@ -62,11 +62,14 @@ void ParameterChanges::run(const double* q, const double* v, const ParameterDire
     if (moves) {
       auto xi = xi_.middleRows<6>(6 * i), dV = dV_.middleRows<6>(6 * i);
       xi += xi_.middleRows<6>(6 * tree->parent[i]);
-      dV = dV_.middleRows<6>(6 * tree->parent[i]) - ad_matrix(screw(Sv)) * xi;
+      dV = dV_.middleRows<6>(6 * tree->parent[i]);
+      subtract_product(ad_matrix(screw(Sv)), xi, dV);
       const Matrix6<double> inertia = to_eigen(M);
-      dPi = inertia * (dV + ad_matrix(screw(V_[k])) * xi) - coad_matrix(Pi_[k]) * xi;
-      dGamma = (inertia * ad_matrix(screw(g)) - coad_matrix(Gamma_[k])) * xi;
-      dh = M.m * xi.bottomRows<3>() - skew(M.h) * xi.topRows<3>();
+      add_product(inertia, dV, dPi);
+      add_product(Matrix6<double>(inertia * ad_matrix(screw(V_[k])) - coad_matrix(Pi_[k])), xi, dPi);
+      add_product(Matrix6<double>(inertia * ad_matrix(screw(g)) - coad_matrix(Gamma_[k])), xi, dGamma);
+      dh = M.m * xi.bottomRows<3>();
+      subtract_product(skew(M.h), xi.topRows<3>(), dh);
     }
     if (weighs) {
       const SE3<> C = spatial_->link[i].C * tree.frame_offset[k];
@@ -82,9 +85,9 @@ void ParameterChanges::run(const double* q, const double* v, const ParameterDire
         by_h.col(column) = to_eigen(one.h);
       }
       const auto change = along.inertia.middleRows<10>(10 * (i - 1));
-      dPi += by_Pi * change;
-      dGamma += by_Gamma * change;
-      dh += by_h * change;
+      add_product(by_Pi, change, dPi);
+      add_product(by_Gamma, change, dGamma);
+      add_product(by_h, change, dh);
       dm_.row(i) = change.row(0);
     }
   }
@@ -107,16 +110,19 @@ void ParameterChanges::run(const double* q, const double* v, const ParameterDire
     const Matrix6<double> ad_V = ad_matrix(screw(V_[static_cast<std::size_t>(tree->parent[i])]));
     spatial_->each_screw(i, [&](int c, const Twist<Spatial>& screw_c) {
       const Vector6<double> S = to_eigen(screw_c), psi = ad_V * S;
-      momenta.row(c) += S.transpose() * dPi;
-      forces.row(c) += psi.transpose() * dPi;
-      gravity.row(c) += S.transpose() * dGamma;
+      const auto row_of = [c](Changes& x) { return x.middleRows(c, 1); };
+      add_product(S.transpose(), dPi, row_of(momenta));
+      add_product(psi.transpose(), dPi, row_of(forces));
+      add_product(S.transpose(), dGamma, row_of(gravity));
       if (!moves) return;
       const Matrix6<double> ad_S = ad_matrix(screw(screw_c));
       const auto xi = xi_.middleRows<6>(6 * i), dV_p = dV_.middleRows<6>(6 * tree->parent[i]);
-      const Eigen::Matrix<double, 1, 6> Pi_S = Pi.transpose() * ad_S;
-      momenta.row(c) -= Pi_S * xi;
-      forces.row(c) -= Pi_S * dV_p + Pi.transpose() * ad_V * ad_S * xi;
-      gravity.row(c) -= Gamma.transpose() * ad_S * xi;
+      using Row = Eigen::Matrix<double, 1, 6>;
+      const Row Pi_S = Pi.transpose() * ad_S;
+      subtract_product(Pi_S, xi, row_of(momenta));
+      subtract_product(Pi_S, dV_p, row_of(forces));
+      subtract_product(Row(Pi.transpose() * ad_V * ad_S), xi, row_of(forces));
+      subtract_product(Row(Gamma.transpose() * ad_S), xi, row_of(gravity));
     });
   }
 }
