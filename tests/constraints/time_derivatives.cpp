@@ -170,6 +170,28 @@ TEST(TimeDerivativesWithLoops, OfDriveForcesAreLimitsOfDifferences) {
   });
 }
 
+/// A mechanism without drives needs no forces for the accelerations that it has by itself.
+TEST(TimeDerivativesWithLoops, OfFreeMotionsMissNoForces) {
+  int moved = 0;
+  for_seeds(30, [&](std::uint64_t seed) {
+    ClosedMotionInTime motion(seed);
+    Description d = motion.model.description();
+    for (BodyDescription& body : d.bodies) body.joint.passive = true;
+    const Model model = ModelBuilder(d).build();
+    LoopWorkspace<> workspace(model);
+    std::vector<double> rates(motion.rates.begin(),
+                              motion.rates.begin() + static_cast<std::ptrdiff_t>(motion.nv)),
+        a(motion.nv), none(motion.nv), tau(motion.nv);
+    const Loads<> loads{.wrenches = motion.closed.state.wrenches};
+    ASSERT_TRUE(forward_dynamics(model, workspace, motion.q, rates, none, a, {}, loads).ok());
+    rates.insert(rates.end(), a.begin(), a.end());
+    EXPECT_EQ(inverse_dynamics_rates(model, workspace, motion.q, rates, tau, {}, loads), 0);
+    EXPECT_EQ(tau, none);
+    moved += vector(a).norm() > 0 ? 1 : 0;
+  });
+  EXPECT_GT(moved, 10);
+}
+
 /// The twists of all bodies determine all velocities.
 TEST(TimeDerivativesWithLoops, OfVelocitiesFollowFromThoseOfTwists) {
   Comparison found("rates", 1e-8);

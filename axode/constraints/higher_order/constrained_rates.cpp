@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/embedding/row_elimination.hpp"
 #include "axode/constraints/higher_order/loop_series.hpp"
 #include "axode/constraints/stable_norm.hpp"
 #include "axode/derivatives/displacement/force_series.hpp"
+#include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "axode/eigen.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/recursion/least_squares.hpp"
@@ -69,21 +71,28 @@ double inverse_dynamics_rates(const Model& model, LoopWorkspace<>& workspace, Nu
   K.topLeftCorner(nv, nv) = drive.asDiagonal();
   K.topRightCorner(nv, m) = loops.derivative(0).transpose();
   K.bottomLeftCorner(m, nv) = loops.derivative(0);
+  Matrix M(nv, nv);
+  Workspace<> cut(model, cut_tree);
+  mass_matrix(model, cut, q, as_span(M));
   Matrix z(nv + m, orders);  // w and λ of each order; the drive forces are the entries of w at the drives
   double missing = 0;
   for (Eigen::Index k = 0; k < orders; ++k) {
     Vector b = Vector::Zero(nv + m);
     b.head(nv) = Eigen::Map<const Vector>(forces.data() + k * nv, nv);
+    const Vector inertial = M * Eigen::Map<const Vector>(rates.data() + (k + 1) * nv, nv);
+    double terms = b.norm() + inertial.norm();  // of which b is the rest
     double binomial = 1;
     for (Eigen::Index l = 1; l <= k; ++l) {
       binomial = binomial * static_cast<double>(k - l + 1) / static_cast<double>(l);
       const Matrix& A_l = loops.derivative(static_cast<int>(l));
-      b.head(nv) -= binomial * (A_l.transpose() * z.col(k - l).tail(m));
+      const Vector by_loops = binomial * (A_l.transpose() * z.col(k - l).tail(m));
+      b.head(nv) -= by_loops;
+      terms += by_loops.norm();
       b.tail(m) -= binomial * (A_l * z.col(k - l).head(nv));
     }
     z.col(k) = least_squares(K, b, 1e-13);
     const double size = b.norm(), left = (b - K * z.col(k)).norm();
-    if (size > 0) missing = std::max(missing, left / size);
+    if (left > RowElimination<double>::rounding * terms) missing = std::max(missing, left / size);
     Eigen::Map<Vector>(tau.data() + k * nv, nv) = drive.cwiseProduct(z.col(k).head(nv));
   }
   return missing;

@@ -11,7 +11,7 @@ namespace axode {
 /// the τ with the least Euclidean norm is computed, and the other rows are its time derivatives. One linear
 /// system is solved for each order, all with the same matrix (D3.14). Returns the norm of the forces that no
 /// drive can produce, divided by the norm of all required forces, for the order for which this ratio is
-/// largest.
+/// largest. Forces within rounding of the terms of which they are sums count as 0.
 ///
 /// Throws std::invalid_argument for wrong sizes, more than 7 rows of forces, numbers that are not finite, and
 /// a motion of which some derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for n
