@@ -27,7 +27,6 @@ except ImportError as error:
 from .support import coordinates, signatures
 from ._axode import Model, pair_distances, shape_pairs
 from ._axode.codegen import CasadiLibrary, casadi_library
-from .support.coordinates import TURNING, product, turned, turned_in_plane
 from .records import Representation
 
 __all__ = ["function"]
@@ -172,7 +171,7 @@ def _pair_distances_of(m: Model, quantity: Any, states: int) -> Any:
 # ------------------------------------------------------------------------- the group of configurations, of SX
 
 _ARRAYS = coordinates.Arrays(part=lambda x, first, end: x[first:end], join=lambda parts: casadi.vertcat(*parts),
-                             cross=casadi.cross, dot=casadi.dot, cos=casadi.cos, sin=casadi.sin)
+                             cross=casadi.cross, dot=casadi.dot, where=casadi.if_else, functions=casadi)
 
 
 def _of_configurations(m: Model, name: str) -> Any:
@@ -184,79 +183,14 @@ def _of_configurations(m: Model, name: str) -> Any:
 
 
 def _integrated(kind: str, q: Any, dv: Any) -> Any:
-    if kind == "planar":
-        axis = casadi.vertcat(0, 0, dv[0])
-        moved = _dexp(axis, casadi.vertcat(dv[1:], 0))[:2]
-        return casadi.vertcat(q[0] + dv[0], q[1:] + turned_in_plane(_ARRAYS, q[0], moved))
-    if kind not in TURNING:
-        return q + dv
-    w, a = dv[:3], q[:4] / casadi.norm_2(q[:4])
-    s = casadi.sumsqr(w) / 4
-    sinc = _of_square(s, _SINC, lambda x: casadi.sin(x) / x)
-    after = product(_ARRAYS, a, casadi.vertcat(sinc * w / 2, _of_square(s, _COS, casadi.cos)))
-    return after if kind == "spherical" else casadi.vertcat(after, q[4:] + turned(_ARRAYS, a, _dexp(w, dv[3:])))
-
-
-def _between(kind: str, q0: Any, q1: Any) -> Any:
-    if kind == "planar":
-        angle = casadi.atan2(casadi.sin(q1[0] - q0[0]), casadi.cos(q1[0] - q0[0]))
-        moved = casadi.vertcat(turned_in_plane(_ARRAYS, -q0[0], q1[1:] - q0[1:]), 0)
-        return casadi.vertcat(angle, _dexp_inverse(casadi.vertcat(0, 0, angle), moved)[:2])
-    if kind not in TURNING:
-        return q1 - q0
-    inverse = casadi.vertcat(-q0[:3], q0[3])
-    w = _rotation_vector(product(_ARRAYS, inverse, q1[:4]))
-    return w if kind == "spherical" else casadi.vertcat(w, _dexp_inverse(w, turned(_ARRAYS, inverse, q1[4:] - q0[4:])))
+    return coordinates.integrated(_ARRAYS, kind, coordinates.normalized(_ARRAYS, kind, q), dv)
 
 
 _OF_CONFIGURATIONS: dict[str, tuple[Callable[[str, Any, Any], Any], str, str, str]] = {
     "coordinate_rates": (functools.partial(coordinates.rates, _ARRAYS), "q", "v", "dq"),
     "integrate": (_integrated, "q", "dv", "q1"),
-    "difference": (_between, "q0", "q1", "dv"),
+    "difference": (functools.partial(coordinates.difference, _ARRAYS), "q0", "q1", "dv"),
 }
-
-
-def _of_square(s: Any, series: Sequence[float], f: Callable[[Any], Any]) -> Any:
-    """The function f(x) as a function of s = x^2. For s < 1 it is a power series in s, so that it has derivatives of
-    every order at 0. SX computes both cases; therefore f is never called with 0."""
-    near = s < 1
-    power: Any = 0
-    for c in reversed(series):
-        power = c + casadi.if_else(near, s, 0) * power
-    return casadi.if_else(near, power, f(casadi.sqrt(casadi.if_else(near, 1, s))))
-
-
-# Power series in s = x^2 of cos x, sin x / x, (1 - cos x) / x^2, (x - sin x) / x^3 and (1 - (x / 2)
-# cot(x / 2)) / x^2. The coefficients of the last one are |B_2k| / (2k)! with the numbers of Bernoulli.
-_COS, _SINC, _A, _B = ([(-1.0) ** k / math.factorial(2 * k + n) for k in range(11)] for n in range(4))
-_BERNOULLI = (1 / 6, 1 / 30, 1 / 42, 1 / 30, 5 / 66, 691 / 2730, 7 / 6, 3617 / 510, 43867 / 798, 174611 / 330, 854513 / 138)
-_KAPPA = [b / math.factorial(2 * k) for k, b in enumerate(_BERNOULLI, 1)]
-
-
-def _dexp(w: Any, v: Any) -> Any:
-    """The map from the linear part of a screw to the translation of its motion with the rotation vector w."""
-    s, t = casadi.sumsqr(w), casadi.cross(w, v)
-    return (v + _of_square(s, _A, lambda x: (1 - casadi.cos(x)) / x**2) * t
-            + _of_square(s, _B, lambda x: (x - casadi.sin(x)) / x**3) * casadi.cross(w, t))
-
-
-def _dexp_inverse(w: Any, v: Any) -> Any:
-    t = casadi.cross(w, v)
-    kappa = _of_square(casadi.sumsqr(w), _KAPPA, lambda x: (1 - x / 2 * casadi.cos(x / 2) / casadi.sin(x / 2)) / x**2)
-    return v - t / 2 + kappa * casadi.cross(w, t)
-
-
-def _rotation_vector(a: Any) -> Any:
-    """The rotation vector, of at most a half turn, of a quaternion of any norm."""
-    a = casadi.if_else(a[3] < 0, -1, 1) * a
-    s = casadi.sumsqr(a[:3])
-    near = s < 0.04 * a[3] ** 2  # if so, atan(x) / x with x^2 = s / w^2 by its power series
-    ratio = casadi.if_else(near, s, 0) / casadi.if_else(near, a[3], 1) ** 2
-    power: Any = 0
-    for k in reversed(range(13)):
-        power = (-1) ** k / (2 * k + 1) + ratio * power
-    x = casadi.sqrt(casadi.if_else(near, 1, s))
-    return 2 * a[:3] * casadi.if_else(near, power / casadi.if_else(near, a[3], 1), casadi.atan2(x, a[3]) / x)
 
 
 signatures.explain_calls(__name__)

@@ -94,7 +94,7 @@ class Mechanism:
         places: dict[str, list[tuple[range, range]]] = {}
         for joint in m.joints:
             q, v = (range(of.start, of.stop) for of in (joint.q, joint.v))
-            if joint.kind in ("planar", "spherical", "free"):
+            if joint.kind in coordinates.GROUPS:
                 places.setdefault(joint.kind, []).append((q, v))
             else:
                 places.setdefault("plain", []).extend((range(i, i + 1), range(j, j + 1)) for i, j in zip(q, v))
@@ -139,7 +139,7 @@ def cross(a: Array, b: Array) -> Array:
 
 _ARRAYS = coordinates.Arrays(
     part=lambda x, first, end: x[..., first:end], join=lambda parts: jnp.concatenate(parts, axis=-1), cross=cross,
-    dot=lambda x, y: jnp.sum(x * y, axis=-1, keepdims=True), cos=jnp.cos, sin=jnp.sin)
+    dot=lambda x, y: jnp.sum(x * y, axis=-1, keepdims=True), where=jnp.where, functions=jnp)
 
 
 def _in_order(parts: list[Array], order: NDArray[np.int_]) -> Array:
@@ -165,48 +165,9 @@ def rates_of(m: Mechanism, q: Array, v: Array) -> Array:
     return _in_order(parts, m.q_order)
 
 
-def _sinc(s: Array) -> Array:
-    """sin(x)/x as a function of s = x², which can be differentiated at 0."""
-    near = s < 0.01
-    x = jnp.sqrt(jnp.where(near, 1, s))
-    return jnp.where(near, 1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110)))), jnp.sin(x) / x)
-
-
-def _rest_of_sinc(s: Array) -> Array:
-    """(1 - sin(x)/x) / x² as a function of s = x², which can be differentiated at 0."""
-    near = s < 0.01
-    series = (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110)))) / 6
-    return jnp.where(near, series, (1 - _sinc(s)) / jnp.where(near, 1, s))
-
-
-def _exp_quaternion(w: Array) -> Array:
-    s = jnp.sum(w * w, axis=-1, keepdims=True) / 4
-    return jnp.concatenate([0.5 * _sinc(s) * w, 1 - 0.5 * s * _sinc(s / 4) ** 2], axis=-1)
-
-
-def _carried(w: Array, v: Array) -> Array:
-    """dexp_w v: the translation of a screw motion with the rotation vector w."""
-    s, t = jnp.sum(w * w, axis=-1, keepdims=True), cross(w, v)
-    return v + 0.5 * _sinc(s / 4) ** 2 * t + _rest_of_sinc(s) * cross(w, t)
-
-
-def _integrated(kind: str, q: Array, dv: Array) -> Array:
-    if kind == "planar":
-        axis = jnp.concatenate([jnp.zeros_like(dv[..., :2]), dv[..., :1]], axis=-1)
-        ahead = _carried(axis, jnp.concatenate([dv[..., 1:], jnp.zeros_like(dv[..., :1])], axis=-1))[..., :2]
-        moved = coordinates.turned_in_plane(_ARRAYS, q[..., :1], ahead)
-        return q + jnp.concatenate([dv[..., :1], moved], axis=-1)
-    if kind not in coordinates.TURNING:
-        return q + dv
-    after = coordinates.product(_ARRAYS, q[..., :4], _exp_quaternion(dv[..., :3]))
-    if kind == "spherical":
-        return after
-    moved = coordinates.turned(_ARRAYS, q[..., :4], _carried(dv[..., :3], dv[..., 3:]))
-    return jnp.concatenate([after, q[..., 4:] + moved], axis=-1)
-
-
 def integrated(m: Mechanism, q: Array, dv: Array) -> Array:
     """The configuration q (+) dv."""
     if m.is_vector:
         return q + dv
-    return _in_order([_integrated(kind, q[..., at_q], dv[..., at_v]) for kind, at_q, at_v in m.joints], m.q_order)
+    parts = [coordinates.integrated(_ARRAYS, kind, q[..., at_q], dv[..., at_v]) for kind, at_q, at_v in m.joints]
+    return _in_order(parts, m.q_order)

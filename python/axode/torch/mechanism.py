@@ -22,7 +22,7 @@ from torch import Tensor
 from .. import _axode
 from .._axode import Model, check_counts
 from ..codegen import Specialised
-from ..support.coordinates import TURNING
+from ..support.coordinates import GROUPS, TURNING
 from ..table import ROWS
 
 __all__: list[str] = []
@@ -124,7 +124,7 @@ def _parts(m: Model) -> list[Part]:
     for joint in m.joints:
         if joint.nv == 0:
             continue
-        kind = joint.kind if joint.kind in ("planar", "spherical", "free") else "plain"
+        kind = joint.kind if joint.kind in GROUPS else "plain"
         first = parts.pop() if kind == "plain" and parts and parts[-1].kind == "plain" else joint
         parts.append(Part(kind, slice(first.q.start, joint.q.stop), slice(first.v.start, joint.v.stop)))
     return parts

@@ -71,7 +71,7 @@ def empty(x: Tensor, *item: int) -> Tensor:
 
 _ARRAYS = coordinates.Arrays(
     part=lambda x, first, end: x[..., first:end], join=lambda parts: torch.cat(parts, dim=-1), cross=cross,
-    dot=lambda x, y: (x * y).sum(dim=-1, keepdim=True), cos=torch.cos, sin=torch.sin)
+    dot=lambda x, y: (x * y).sum(dim=-1, keepdim=True), where=torch.where, functions=torch)
 
 
 def _joined(parts: list[Tensor], otherwise: Tensor) -> Tensor:
