@@ -16,6 +16,7 @@ import { count, format } from "./element";
 import { ball, hinge, plate, quarteredBall, screwThread, slider, triad } from "./glyphs";
 import { ellipsoid, principalAxes } from "./inertia";
 import { Instances, type Item } from "./instances";
+import { KINDS } from "./joint_kinds";
 import { matrixOf, placeOfJoint } from "./kinematics";
 import { Labels } from "./labels";
 import type { Layer, View } from "./layers";
@@ -165,7 +166,7 @@ function joints(view: View): Layer | null {
       spherical: ball,
       planar: plate,
     }[joint.kind];
-    const key = joint.kind === "helical" ? `helical ${lead}` : joint.kind;
+    const key = KINDS[joint.kind].hasPitch ? `${joint.kind} ${lead}` : joint.kind;
     const symbol = symbols.get(key) ?? { make, items: [] };
     symbols.set(key, symbol);
     symbol.items.push({ body: k + 1, pose, color: color(joint), symbol: true });

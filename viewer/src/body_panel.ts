@@ -2,6 +2,7 @@ import { Quaternion, Vector3, type Matrix4 } from "three";
 import { leastTurning } from "./axode";
 import { element, format, freshId } from "./element";
 import { principalAxes } from "./inertia";
+import { KINDS } from "./joint_kinds";
 import { representationChoice } from "./layer_panel";
 import { axisOf, represent, representations } from "./screws";
 import type { State } from "./state";
@@ -79,7 +80,7 @@ function tables(state: State): Node[] {
     ["kind", [joint.kind + (joint.passive ? ", passive" : "")], ""],
     ["from", [scene.bodies[body.predecessor].name], ""],
   ];
-  if (joint.kind === "helical") jointRows.push(["pitch", [joint.pitch], "m/rad"]);
+  if (KINDS[joint.kind].hasPitch) jointRows.push(["pitch", [joint.pitch], "m/rad"]);
   if (joint.leader) {
     jointRows.push(["follows", [`${format(joint.leader.ratio)} ${scene.bodies[joint.leader.joint].joint.name} + ${format(joint.leader.offset)}`], ""]);
   }

@@ -1,7 +1,8 @@
 import { Matrix4 } from "three";
+import { KINDS } from "./joint_kinds";
 import { matrixOf, Tree } from "./kinematics";
 import { advanced } from "./motion";
-import { degrees, type Loop, type Scene } from "./scene";
+import type { Loop, Scene } from "./scene";
 
 /** Residuals up to this count as closed. Lengths are in units of the size of the mechanism. */
 const CLOSED = 1e-11;
@@ -56,7 +57,7 @@ export class Closure {
     const poses = [...bodies.slice(1).flatMap(({ S_prev, S_self }) => [S_prev, S_self]), ...loops.flatMap((loop) => loop.ends.map(({ pose }) => pose))];
     this.size = Math.max(...poses.map(([x, y, z]) => Math.hypot(x, y, z)), ...loops.map(({ kind, size }) => (kind === "universal" ? 0 : (size ?? 0)))) || 1;
     const joints = bodies.slice(1).map(({ joint }) => joint);
-    this.scale = joints.flatMap(({ kind, nv }) => (nv === 0 ? [] : degrees(kind).map(({ coordinate }) => (coordinate === "m" ? this.size : 1))));
+    this.scale = joints.flatMap(({ kind, nv }) => (nv === 0 ? [] : KINDS[kind].units.map(({ coordinate }) => (coordinate === "m" ? this.size : 1))));
     const anyPassive = joints.some(({ passive }) => passive);
     this.driven = joints.flatMap(({ passive, leader }, k) => (anyPassive && !passive && !leader ? [k + 1] : []));
   }

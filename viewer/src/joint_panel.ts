@@ -1,10 +1,10 @@
 import { Quaternion, Vector3 } from "three";
 import { TORN, type Arrival } from "./closure";
 import { element, format, freshId } from "./element";
+import { KINDS } from "./joint_kinds";
 import { expQuaternion, logQuaternion } from "./kinematics";
-import { hasQuaternion } from "./motion";
 import { colorOfBody } from "./palette";
-import { degrees, type Joint } from "./scene";
+import type { Joint } from "./scene";
 import type { State } from "./state";
 
 /** One number that a slider sets. */
@@ -15,20 +15,14 @@ interface Handle {
   range: [number, number];
 }
 
-const COMPONENTS: Record<string, string[]> = {
-  spherical: ["rx", "ry", "rz"],
-  planar: ["θ", "x", "y"],
-  free: ["rx", "ry", "rz", "x", "y", "z"],
-};
-
 /** The numbers that the sliders of a joint show for its coordinates: for a quaternion its rotation vector. */
 function handlesFrom(joint: Joint, x: readonly number[]): number[] {
-  if (!hasQuaternion(joint)) return x.slice();
+  if (!KINDS[joint.kind].hasQuaternion) return x.slice();
   return [...logQuaternion(new Quaternion(x[0], x[1], x[2], x[3])).toArray(), ...x.slice(4)];
 }
 
 function coordinatesFrom(joint: Joint, handles: readonly number[]): number[] {
-  if (!hasQuaternion(joint)) return handles.slice();
+  if (!KINDS[joint.kind].hasQuaternion) return handles.slice();
   return [...expQuaternion(new Vector3(handles[0], handles[1], handles[2])).toArray(), ...handles.slice(3)];
 }
 
@@ -54,10 +48,11 @@ export function fillJointPanel(panel: HTMLElement, state: State, length: number)
 
 function jointRow(state: State, body: number, joint: Joint, length: number, chosen: Set<number>): { root: HTMLElement; show: () => void } {
   const { scene } = state;
+  const { units, sliders, hasPitch } = KINDS[joint.kind];
   const kind = joint.leader
     ? `${joint.kind}, follows ${scene.bodies[joint.leader.joint].joint.name}`
-    : joint.kind === "helical"
-      ? `helical, ${format(joint.pitch)} m/rad`
+    : hasPitch
+      ? `${joint.kind}, ${format(joint.pitch)} m/rad`
       : joint.kind;
   const name = element("b", { title: `moves ${scene.bodies[body].name}` }, joint.name);
   const root = element("div", { class: "joint", role: "group", "aria-label": joint.name });
@@ -66,7 +61,6 @@ function jointRow(state: State, body: number, joint: Joint, length: number, chos
   root.append(element("div", { class: "joint-name" }, swatch, name, element("span", {}, kind + (joint.passive ? ", passive" : ""))));
   root.addEventListener("focusin", () => state.selected !== body && state.select(body));
 
-  const units = degrees(joint.kind);
   // What the user holds keeps its own numbers: a rotation
   // vector beyond half a turn is another one by its pose.
   let held: number[] | null = null;
@@ -80,7 +74,7 @@ function jointRow(state: State, body: number, joint: Joint, length: number, chos
     const { q, part } = led(state, body, (s) => coordinatesFrom(joint, path(s)), Math.abs(way), others);
     chosen.add(body);
     held = path(part);
-    const what = COMPONENTS[joint.kind]?.[k] ? `${joint.name} ${COMPONENTS[joint.kind][k]}` : joint.name;
+    const what = sliders[k] ? `${joint.name} ${sliders[k]}` : joint.name;
     const said = (x: number) => `${format(x)} ${units[k].coordinate}`;
     editing = true;
     state.setCoordinates(q, part < 1 ? `${what} cannot reach ${said(value)}: the loops end its way at ${said(held[k])}.` : "");
@@ -93,8 +87,7 @@ function jointRow(state: State, body: number, joint: Joint, length: number, chos
     const limits = joint.limits[k] ?? [null, null];
     const free = coordinate === "rad" ? Math.PI : length;
     const range: [number, number] = [limits[0] ?? Math.min(-free, limits[1] ?? 0), limits[1] ?? Math.max(free, limits[0] ?? 0)];
-    const part = COMPONENTS[joint.kind]?.[k];
-    const label = part ? `${joint.name} ${part}, ${coordinate}` : `${joint.name}, ${coordinate}`;
+    const label = sliders[k] ? `${joint.name} ${sliders[k]}, ${coordinate}` : `${joint.name}, ${coordinate}`;
     const disabled = joint.leader !== null;
     const slider = element("input", {
       type: "range",
@@ -126,8 +119,8 @@ function jointRow(state: State, body: number, joint: Joint, length: number, chos
       },
       blur: () => show(),
     });
-    const labelled = part ? [element("span", { class: "unit", "aria-hidden": "true" }, part)] : [];
-    const line = element("div", { class: part ? "slider labelled" : "slider" }, ...labelled, slider, box, element("span", { class: "unit" }, coordinate));
+    const labelled = sliders[k] ? [element("span", { class: "unit", "aria-hidden": "true" }, sliders[k])] : [];
+    const line = element("div", { class: sliders[k] ? "slider labelled" : "slider" }, ...labelled, slider, box, element("span", { class: "unit" }, coordinate));
     line.id = freshId();
     if (limits[0] !== null || limits[1] !== null) {
       const end = (value: number | null) => element("span", {}, value === null ? "" : format(value));

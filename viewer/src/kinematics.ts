@@ -1,29 +1,11 @@
 import { Matrix4, Quaternion, Vector3 } from "three";
-import type { Body, Joint, Pose, Scene } from "./scene";
+import { KINDS } from "./joint_kinds";
+import type { Body, Pose, Scene } from "./scene";
 
 /** The matrix of a pose x y z, qx qy qz qw. */
 export function matrixOf(pose: Pose): Matrix4 {
   const [x, y, z, qx, qy, qz, qw] = pose;
   return new Matrix4().compose(new Vector3(x, y, z), new Quaternion(qx, qy, qz, qw), new Vector3(1, 1, 1));
-}
-
-/** J(x): the displacement of a joint in its own frame, whose z-axis is the axis of the joint. */
-export function displacement(joint: Joint, x: readonly number[]): Matrix4 {
-  const J = new Matrix4();
-  switch (joint.kind) {
-    case "revolute":
-      return J.makeRotationZ(x[0]);
-    case "prismatic":
-      return J.makeTranslation(0, 0, x[0]);
-    case "helical":
-      return J.makeRotationZ(x[0]).setPosition(0, 0, joint.pitch * x[0]);
-    case "spherical":
-      return J.makeRotationFromQuaternion(new Quaternion(x[0], x[1], x[2], x[3]).normalize());
-    case "planar":
-      return J.makeRotationZ(x[0]).setPosition(x[1], x[2], 0);
-    case "free":
-      return J.makeRotationFromQuaternion(new Quaternion(x[0], x[1], x[2], x[3]).normalize()).setPosition(x[4], x[5], x[6]);
-  }
 }
 
 /** Poses of all bodies for coordinates q: C = C_p S_prev J(q) S_self⁻¹ along the tree. */
@@ -47,7 +29,8 @@ export class Tree {
 
   update(q: readonly number[]): void {
     for (let i = 1; i < this.bodies.length; ++i) {
-      const J = displacement(this.bodies[i].joint, this.coordinates(i, q));
+      const { kind, pitch } = this.bodies[i].joint;
+      const J = KINDS[kind].displacement(this.coordinates(i, q), pitch);
       this.poses[i]
         .multiplyMatrices(this.poses[this.bodies[i].predecessor], this.before[i])
         .multiply(J)
@@ -66,8 +49,7 @@ export class Tree {
  * and a free one has neither; they are drawn at the centre of mass.
  */
 export function placeOfJoint({ joint: { kind }, S_self, mass, com }: Body): Vector3 {
-  const hasNoPlace = (kind === "prismatic" || kind === "free") && mass > 0;
-  return hasNoPlace ? new Vector3(...com) : new Vector3(S_self[0], S_self[1], S_self[2]);
+  return !KINDS[kind].hasPlace && mass > 0 ? new Vector3(...com) : new Vector3(S_self[0], S_self[1], S_self[2]);
 }
 
 /** The normal of the planes in which all bodies move; null if there are none. */

@@ -1,7 +1,6 @@
-import { Quaternion, Vector3 } from "three";
-import { carried, combined, displacement, moved, rate, type Place } from "./se3";
-import type { Joint, Motion, Scene } from "./scene";
-import type { Screw } from "./screws";
+import { KINDS, type Group } from "./joint_kinds";
+import { carried, combined, displacement, moved, rate } from "./se3";
+import type { Motion, Scene } from "./scene";
 
 /** A moment of a motion: between samples `index` and `index + 1`, at `fraction` of the way. */
 export interface Moment {
@@ -41,11 +40,12 @@ export function coordinatesAt(scene: Scene, motion: Motion, { index, fraction }:
   const h = motion.t[samples[1]] - motion.t[samples[0]];
   const q = new Array<number>(scene.nq);
   scene.bodies.slice(1).forEach(({ joint }) => {
-    const { iq, nq, iv, nv, leader } = joint;
+    const { kind, iq, nq, iv, nv, leader } = joint;
     if (leader) return;
+    const { group } = KINDS[kind];
     const [a, b] = samples.map((k) => motion.q[k].slice(iq, iq + nq));
     const [v_a, v_b] = samples.map((k) => motion.v[k].slice(iv, iv + nv));
-    const between = nv === 1 ? [onCubic(fraction, b[0] - a[0], h * v_a[0], h * v_b[0]) + a[0]] : onGroup(joint, fraction, h, a, b, v_a, v_b);
+    const between = group ? onGroup(group, fraction, h, a, b, v_a, v_b) : [onCubic(fraction, b[0] - a[0], h * v_a[0], h * v_b[0]) + a[0]];
     between.forEach((x, k) => (q[iq + k] = x));
   });
   return q;
@@ -64,9 +64,9 @@ function onCubic(s: number, end: number, rate_0: number, rate_1: number): number
   return x * end + x_0 * rate_0 + x_1 * rate_1;
 }
 
-function onGroup(joint: Joint, s: number, h: number, a: number[], b: number[], v_a: number[], v_b: number[]): number[] {
-  const [from, to] = [placeOf(joint, a), placeOf(joint, b)];
-  const [V_a, V_b] = [screwOf(joint, v_a), screwOf(joint, v_b)];
+function onGroup(group: Group, s: number, h: number, a: number[], b: number[], v_a: number[], v_b: number[]): number[] {
+  const [from, to] = [group.place(a), group.place(b)];
+  const [V_a, V_b] = [group.screw(v_a), group.screw(v_b)];
   const z = combined([1 / 2, V_a], [1 / 2, V_b]);
   const rest = displacement(moved(from, combined([h, z])), to);
   const rate_0 = combined([1, V_a], [-1, z]);
@@ -74,40 +74,20 @@ function onGroup(joint: Joint, s: number, h: number, a: number[], b: number[], v
   const [x, x_0, x_1] = weights(s);
   const step = combined([s * h, z]);
   const left = combined([x, rest], [h * x_0, rate_0], [h * x_1, rate_1]);
-  return coordinatesOf(joint, moved(moved(from, step), left), a[0] + step.w.z + left.w.z);
+  return group.coordinates(moved(moved(from, step), left), a[0] + step.w.z + left.w.z);
 }
 
 /** The coordinates q ⊕ u of all joints after a displacement u, which has the order of velocities. */
 export function advanced(scene: Scene, q: readonly number[], u: readonly number[]): number[] {
   const next = q.slice();
   for (const { joint } of scene.bodies.slice(1)) {
-    const { iq, nq, iv, nv, leader } = joint;
+    const { kind, iq, nq, iv, nv, leader } = joint;
     if (leader) continue;
+    const { group } = KINDS[kind];
     const step = u.slice(iv, iv + nv);
     if (step.every((part) => part === 0)) continue;
-    const to = nv === 1 ? [q[iq] + step[0]] : coordinatesOf(joint, moved(placeOf(joint, q.slice(iq, iq + nq)), screwOf(joint, step)), q[iq] + step[0]);
+    const to = group ? group.coordinates(moved(group.place(q.slice(iq, iq + nq)), group.screw(step)), q[iq] + step[0]) : [q[iq] + step[0]];
     to.forEach((x, k) => (next[iq + k] = x));
   }
   return next;
-}
-
-/** The coordinates of a joint with several velocities; those of a planar joint count turns by its angle. */
-function coordinatesOf({ kind }: Joint, { turn, r }: Place, angle: number): number[] {
-  if (kind === "planar") return [angle, r.x, r.y];
-  return kind === "spherical" ? turn.toArray() : [...turn.toArray(), ...r.toArray()];
-}
-
-/** The displacement of a joint with several velocities, and its twist, in the joint frame. */
-function placeOf({ kind }: Joint, x: readonly number[]): Place {
-  if (kind === "planar") return { turn: new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), x[0]), r: new Vector3(x[1], x[2], 0) };
-  return { turn: new Quaternion(x[0], x[1], x[2], x[3]), r: new Vector3(x[4] ?? 0, x[5] ?? 0, x[6] ?? 0) };
-}
-
-function screwOf({ kind }: Joint, v: readonly number[]): Screw {
-  if (kind === "planar") return { w: new Vector3(0, 0, v[0]), v: new Vector3(v[1], v[2], 0) };
-  return { w: new Vector3(v[0], v[1], v[2]), v: new Vector3(v[3] ?? 0, v[4] ?? 0, v[5] ?? 0) };
-}
-
-export function hasQuaternion(joint: Joint): boolean {
-  return joint.kind === "spherical" || joint.kind === "free";
 }

@@ -1,6 +1,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { element } from "./element";
+import { ANGLE, KINDS } from "./joint_kinds";
 import { colors, strokeOfBody } from "./palette";
 import type { JointKind, Scene } from "./scene";
 import type { State } from "./state";
@@ -29,29 +30,16 @@ const UNITS = {
 };
 type Kind = keyof (typeof UNITS)["q"];
 
-const TURNS = ["wx", "wy", "wz"];
-const QUATERNION = ["qx", "qy", "qz", "qw"];
-
 /**
  * The directions of the numbers of a joint, each with what
  * it measures. A joint of one number has no direction.
  */
 function directions(kind: JointKind, which: "q" | "v"): [string, Kind][] {
-  const as = (names: string[], what: Kind) => names.map((name): [string, Kind] => [name, what]);
-  const coordinates = which === "q";
-  const turn = coordinates ? as(QUATERNION, "quaternion") : as(TURNS, "angle");
-  switch (kind) {
-    case "spherical":
-      return turn;
-    case "planar":
-      return coordinates ? [["angle", "angle"], ...as(["x", "y"], "length")] : [["w", "angle"], ...as(["vx", "vy"], "length")];
-    case "free":
-      return [...turn, ...as(coordinates ? ["x", "y", "z"] : ["vx", "vy", "vz"], "length")];
-    case "prismatic":
-      return [["", "length"]];
-    default:
-      return [["", "angle"]];
-  }
+  const { units, coordinates, velocities, hasQuaternion } = KINDS[kind];
+  const measures = units.map((unit): Kind => (unit === ANGLE ? "angle" : "length"));
+  if (which === "v") return velocities.map((name, k) => [name, measures[k]]);
+  const [turn, rest] = hasQuaternion ? [4, measures.slice(3)] : [0, measures];
+  return coordinates.map((name, k) => [name, k < turn ? "quaternion" : rest[k - turn]]);
 }
 
 /** Panels of q, v or tau: one for each unit. */

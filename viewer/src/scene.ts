@@ -190,23 +190,3 @@ export function readScene(text: string): Scene {
   }
   return scene;
 }
-
-const ANGLE = { coordinate: "rad", velocity: "rad/s", force: "N m" };
-const LENGTH = { coordinate: "m", velocity: "m/s", force: "N" };
-
-/** The units of the degrees of freedom of a joint; the angular ones come first. */
-export function degrees(kind: JointKind): (typeof ANGLE)[] {
-  switch (kind) {
-    case "revolute":
-    case "helical":
-      return [ANGLE];
-    case "prismatic":
-      return [LENGTH];
-    case "spherical":
-      return [ANGLE, ANGLE, ANGLE];
-    case "planar":
-      return [ANGLE, LENGTH, LENGTH];
-    case "free":
-      return [ANGLE, ANGLE, ANGLE, LENGTH, LENGTH, LENGTH];
-  }
-}
