@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "axode/model/building/placement.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode::fmi {
 namespace {
@@ -60,7 +61,7 @@ class Parameters {
         add(joint.dof.size() == 1 ? full : component(full, k), unit, std::string(what) + " of the joint",
             [i, k, member](Description& d) -> double& { return d.bodies[i].joint.dof[k].*member; });
       };
-      const bool turns = joint.kind != JointKind::prismatic && joint.dof.size() == 1;
+      const bool turns = traits(joint.kind).angles > 0 && joint.dof.size() == 1;
       const bool mixed = joint.dof.size() > 1;
       if (joint.dof[k].stiffness != 0) {
         number("stiffness", mixed ? "" : turns ? "N.m/rad" : "N/m", &Dof::stiffness);

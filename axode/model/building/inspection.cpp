@@ -16,6 +16,17 @@
 namespace axode {
 namespace {
 
+/// The kinds of joints with one velocity, such as "revolute, prismatic and helical" for last = " and ".
+std::string kinds_with_one_velocity(std::string_view last) {
+  std::vector<std::string_view> names;
+  for (const JointTraits& kind : joint_kinds)
+    if (can_couple(kind.kind)) names.push_back(kind.name);
+  std::string text;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    text.append(k == 0 ? "" : k + 1 < names.size() ? ", " : last).append(names[k]);
+  return text;
+}
+
 class Inspection {
  public:
   Inspection(const Description& description, Strictness strictness)
@@ -222,7 +233,8 @@ class Inspection {
                    says + ", which is not described" + nearest_joint(name, expanded));
         else if (!can_couple(found->second))
           at.error(Rule::coupling_kind, says + ", which is " + std::string(to_string(found->second)) +
-                                            "; a spring acts on revolute, prismatic and helical joints");
+                                            "; a spring acts on " + kinds_with_one_velocity(" and ") +
+                                            " joints");
       }
     }
     check_spring(at, spring);
@@ -270,8 +282,8 @@ class Inspection {
       const JointKind kind = found->second->joint.kind;
       if (can_couple(kind)) return found->second;
       at.error(Rule::coupling_kind,
-               says + " joint " + quoted(name) + ", which is " + std::string(to_string(kind)) +
-                   "; only revolute, prismatic and helical joints can " + std::string(role));
+               says + " joint " + quoted(name) + ", which is " + std::string(to_string(kind)) + "; only " +
+                   kinds_with_one_velocity(" and ") + " joints can " + std::string(role));
       return nullptr;
     };
     for (const BodyDescription& body : description_.bodies) {
@@ -279,9 +291,9 @@ class Inspection {
       const FaultySubject at{faults_, "joint " + quoted(joint_name(body)), joint_source(body)};
       const std::string& leader = body.joint.coupling->leader;
       if (!can_couple(body.joint.kind)) {
-        at.error(Rule::coupling_kind,
-                 "is " + std::string(to_string(body.joint.kind)) +
-                     " and coupled; only revolute, prismatic and helical joints can follow another joint");
+        at.error(Rule::coupling_kind, "is " + std::string(to_string(body.joint.kind)) +
+                                          " and coupled; only " + kinds_with_one_velocity(" and ") +
+                                          " joints can follow another joint");
         continue;
       }
       const BodyDescription* leads = named_joint(at, "follows", leader, "lead");
@@ -358,10 +370,9 @@ class Inspection {
                  "couplings");
       if (const auto joint = joints.find(motion.of); joint != joints.end()) {
         if (!can_couple(joint->second))
-          at.error(
-              Rule::degrees_of_freedom,
-              says + ", which is " + std::string(to_string(joint->second)) +
-                  "; a motion prescribes a revolute, prismatic or helical joint, or the length of a rod");
+          at.error(Rule::degrees_of_freedom,
+                   says + ", which is " + std::string(to_string(joint->second)) + "; a motion prescribes a " +
+                       kinds_with_one_velocity(" or ") + " joint, or the length of a rod");
       } else if (const auto loop = loops.find(motion.of); loop != loops.end()) {
         if (!traits(loop->second).has("length"))
           at.error(Rule::degrees_of_freedom, says + ", a loop that is " +
@@ -393,9 +404,9 @@ class Inspection {
           at.error(Rule::unknown_drive_target,
                    "acts on joint " + quoted(of) + ", which is not described" + nearest_joint(of, expanded));
         else if (!can_couple(joint->second))
-          at.error(Rule::degrees_of_freedom, "acts on joint " + quoted(of) + ", which is " +
-                                                 std::string(to_string(joint->second)) +
-                                                 "; a drive acts on revolute, prismatic or helical joints");
+          at.error(Rule::degrees_of_freedom,
+                   "acts on joint " + quoted(of) + ", which is " + std::string(to_string(joint->second)) +
+                       "; a drive acts on " + kinds_with_one_velocity(" or ") + " joints");
       }
       if (drive.line)
         for (const std::string& frame : drive.line->between)

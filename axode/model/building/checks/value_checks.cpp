@@ -46,18 +46,6 @@ constexpr double realisability_tolerance = 1e-9;
 bool zero(const Vec3<>& axis) { return axis.x == 0 && axis.y == 0 && axis.z == 0; }
 bool parallel(const Vec3<>& a, const Vec3<>& b) { return norm(cross(direction(a), direction(b))) < 1e-6; }
 
-/// Whether degree of freedom k of a joint is an angle that can have limits.
-bool is_angle(JointKind kind, std::size_t k) {
-  switch (kind) {
-    case JointKind::revolute:
-    case JointKind::helical:
-    case JointKind::universal: return true;
-    case JointKind::cylindrical:
-    case JointKind::planar: return k == 0;
-    default: return false;
-  }
-}
-
 /// Reports limits of an angle (rad) that look like degrees.
 void angle_limits(const FaultySubject& at, const Dof& dof) {
   if (const auto complaint = degrees_complaint("limits are", std::array{dof.lower, dof.upper}))
@@ -267,8 +255,8 @@ void check_joint(const BodyDescription& body, FaultCollector& faults) {
     at.error(Rule::degrees_of_freedom, "describes " + std::to_string(joint.dof.size()) +
                                            " degrees of freedom; a " + kind + " joint has " +
                                            std::to_string(n));
-  for (std::size_t k = 0; k < joint.dof.size(); ++k)
-    if (is_angle(joint.kind, k)) angle_limits(at, joint.dof[k]);
+  const std::size_t angles = static_cast<std::size_t>(traits(joint.kind).angles);
+  for (std::size_t k = 0; k < std::min(angles, joint.dof.size()); ++k) angle_limits(at, joint.dof[k]);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const Dof& dof : joint.dof) {
     if (dof.lower > dof.upper)
