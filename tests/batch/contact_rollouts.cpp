@@ -9,6 +9,7 @@
 #include <cmath>
 #include <thread>
 
+#include "axode/constraints/assembly.hpp"
 #include "axode/drives.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/io.hpp"

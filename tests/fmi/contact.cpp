@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "axode/constraints/assembly.hpp"
 #include "axode/integration.hpp"
 #include "tests/contact/scene.hpp"
 #include "tests/fmi/instance_of.hpp"
