@@ -268,10 +268,10 @@ def contact_rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float, *,
     ...     "body": [{"name": "box", "joint": "free", "mass": 1, "com": [0, 0, 0], "inertia": [7e-3, 7e-3, 7e-3], "shape": [box]}]})
     >>> q, v = (torch.tensor(x, dtype=torch.float64) for x in ([0, 0, 0, 1, 0, 0, 0.1], [0, 0, 0, 1, 0, 0]))
     >>> mu = torch.full((2,), 0.2, dtype=torch.float64, requires_grad=True)
-    >>> _, velocities = axode.torch.contact_rollout(table, q, v, torch.zeros(5, 6, dtype=torch.float64), 1e-2, friction=mu)
+    >>> _, velocities = axode.torch.contact_rollout(table, q, v, torch.zeros(4, 6, dtype=torch.float64), 1e-2, friction=mu)
     >>> velocities[-1, 3].backward()
     >>> mu.grad  # -g t / 2
-    tensor([-0.2453, -0.2453], dtype=torch.float64)
+    tensor([-0.1962, -0.1962], dtype=torch.float64)
     """
     one_step = _one_step(tau, step, "contact_rollout")
     given = {name: x for name, x in zip(PARAMETERS[1:], (friction, restitution, placement)) if x is not None}
