@@ -137,8 +137,8 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
   displace(part.q_middle, part.v_middle, flight.dq_m, flight.dv_m);
   Rows& middle = out.rows;
   if (!find(part.start, part.margin, middle)) return false;
-  out.u.resize(m);
-  out.du.resize(m, start.dq.cols());
+  out.u.setZero(m);
+  out.du.setZero(m, start.dq.cols());
   for (std::size_t c = 0; c < part.start.size(); ++c) {
     const ContactChanges at_start{chain(start.rows.changes[c].rows, start.dq)};
     if (!middle.found[c]) {  // the step takes the place at the start
@@ -179,8 +179,8 @@ bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const
   const VectorXd& q_1 = part.q_1;
   const Eigen::Index nv = start.dq.rows(), m = start.first.lambda.size();
   const int width = system_.contact_rows();
-  u.resize(m);
-  du.resize(m, start.dq.cols());
+  u.setZero(m);
+  du.setZero(m, start.dq.cols());
   Rows end;
   if (!find(part.start, part.margin, end)) return false;
 
