@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "axode/integration/momenta/contact_step.hpp"
+#include "axode/integration/momenta/contact_motion.hpp"
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 #include "axode/integration/runs/sized_arguments.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
@@ -67,31 +67,35 @@ class TangentContactSteps {
                                  std::span<double> tau) { std::ranges::copy(tau_, tau.begin()); },
                  .monitor = [monitor](double) { return !monitor || monitor(); }},
         run_(model, q_0, v_0, static_cast<double>(K) * step, options_, true),
-        scheme_(run_, run_.closed_model(), shapes, true),
+        steps_(run_, shapes, true),
         derivative_(run_.closed_model(), shapes, true, true) {
-    scheme_.keep_parts = true;
+    steps_.keep_parts();
   }
   TangentContactSteps(const TangentContactSteps&) = delete;
   TangentContactSteps& operator=(const TangentContactSteps&) = delete;
 
   /// Takes a step under the drive forces tau. On entry dq and dv are the changes of the state at its start
   /// along k directions (nv × k each), and on return those at its end. Returns false if this fails, for the
-  /// reason in `result`.
+  /// reason in `result`. The step is divided where a prescribed motion jumps.
   bool run(Span tau, Changes& dq, Changes& dv, const ContactDirections& directions) {
-    const double t = step_ * static_cast<double>(count_++);
+    const double t = run_.now(), t_1 = step_ * static_cast<double>(++count_);
     result.failure = run_.interruption(t);
-    if (!result.ok()) return false;
     tau_.assign(tau.begin(), tau.end());
-    result.failure = scheme_.run(t, step_, q, v);
+    while (result.ok() && run_.now() < t_1) {
+      double t_end = run_.step_end(t_1);
+      result.failure = steps_.compute_up_to_switch(t_end, computed_);
+      if (!result.ok()) break;
+      result.certificate = std::max(computed_.certificate, result.certificate);
+      for (const ContactPart& part : steps_.parts())
+        if (!derivative_.run(part, dq, dv, directions)) {
+          result.failure = {run_.now(), derivative_.why()};
+          return false;
+        }
+      run_.move_to(t_end, as_span(computed_.end.q), as_span(computed_.end.v), computed_.end.x);
+    }
     if (!result.ok()) return false;
-    result.certificate = std::max(scheme_.certificate, result.certificate);
-    for (const ContactPart& part : scheme_.kept)
-      if (!derivative_.run(part, dq, dv, directions)) {
-        result.failure = {t, derivative_.why()};
-        return false;
-      }
-    q = scheme_.q;
-    v = scheme_.v;
+    q = run_.q;
+    v = run_.v;
     result.unique = derivative_.unique;
     result.at_kink = derivative_.at_kink;
     if (finite(q) && finite(v) && dq.allFinite() && dv.allFinite()) return true;
@@ -107,7 +111,8 @@ class TangentContactSteps {
   double step_;
   SimulationOptions options_;
   ContactSimulationRun run_;
-  ContactStep scheme_;
+  ContactSteps steps_;
+  ComputedContactStep computed_;
   ContactStepDerivative derivative_;
   int count_ = 0;
 };

@@ -12,7 +12,7 @@
 /// stick, slide and bounce is taken as unchanged by a small displacement. At a gap of 0, the derivative is
 /// that of a displacement that opens the gap. Displacements and gradients of q are left-trivialised, along q
 /// ⊕ ε dq. Damping and dry friction of joints, springs, hard stops and closed loops act, and prescribed
-/// motions are followed from time 0.
+/// motions are followed from time 0, with steps divided where they jump.
 ///
 /// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
 /// unit norm, step <= 0, shapes of another model, drives with states, couplings with play, states that do not

@@ -205,6 +205,40 @@ TEST(StepDerivatives, OfMechanismsThatFollowMotionsAgreeWithDifferences) {
     }
 }
 
+/// The steps are those of simulations: they are divided where a motion begins to accelerate, and end with the
+/// same sentence where a contact blocks the motion.
+TEST(StepDerivatives, OfMechanismsThatFollowMotionsAreThoseOfSimulatedSteps) {
+  Bodies bodies(0.3);
+  bodies.add(shape_of(ShapeKind::sphere, {0.1, 0, 0}, 0.3));
+  Description& d = bodies.description;
+  d.bodies[0].joint = {.name = "rail", .kind = JointKind::prismatic, .axis = up()};
+  d.shapes[0].pose.r -= 0.2 * up();
+  using Kind = MotionDescription::Kind;
+  d.motions = {{.of = "rail", .kind = Kind::ramp, .from = 0, .to = -0.2, .start = 0.012, .end = 0.1}};
+  const Model model = bodies.build();
+  const ContactShapes shapes(model);
+  const std::vector<double> q{0}, v{0};
+  constexpr std::size_t K = 20;
+  constexpr double step = 5e-3;
+  const auto steps = [&](std::size_t count) {
+    std::vector<double> q_out(count + 1), v_out(q_out), A(4 * count), B(2 * count), tau(count);
+    const ContactSensitivity found =
+        contact_rollout_derivatives(model, shapes, q, v, tau, step, {q_out, v_out, A, B});
+    return std::pair(found, q_out);
+  };
+  const auto [free_motion, places] = steps(8);
+  const Trajectory simulated = simulate_contact(model, shapes, q, v, 8 * step, step);
+  ASSERT_TRUE(free_motion.ok()) << free_motion.failure.why;
+  EXPECT_EQ(simulated.size(), 10) << "a step is divided";
+  EXPECT_EQ(places.back(), simulated.q(simulated.size() - 1)[0]);
+  EXPECT_LT(places.back(), -1e-3);
+  const auto [blocked, none] = steps(K);
+  const Trajectory ended = simulate_contact(model, shapes, q, v, K * step, step);
+  ASSERT_FALSE(ended.complete);
+  EXPECT_THAT(blocked.failure.why, testing::HasSubstr("block the prescribed motion of \"rail\""));
+  EXPECT_THAT(ended.stop_reason, testing::HasSubstr(blocked.failure.why));
+}
+
 /// Bodies on a compliant floor that begin or end to touch in the step, or touch all the time, and stick or
 /// slide.
 TEST(StepDerivatives, OfCompliantContactsAgreeWithDifferences) {

@@ -34,6 +34,9 @@ class ContactSteps {
   /// branch of its law and its force, its states or their rates jump, the step ends at this change, and t_1
   /// becomes its time.
   Failure compute_up_to_switch(double& t_1, ComputedContactStep& out);
+  /// Lets parts() give, after each step, the data from which it is differentiated.
+  void keep_parts() { scheme_.keep_parts = true; }
+  const std::vector<ContactPart>& parts() const { return scheme_.kept; }
   /// Forgets the impulses of earlier steps.
   void restart() noexcept { scheme_.restart(); }
   /// Takes the impulses of the last step of another motion of the same mechanism as first guesses.
