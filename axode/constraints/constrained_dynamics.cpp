@@ -33,8 +33,8 @@ template <class T> class Multipliers {
 /// The forces M a + h (nv) that the spanning tree needs for accelerations a, with its mass matrix M and bias
 /// forces h.
 template <class T> struct TreeForces {
-  /// Computes the forces, and updates `system` to the motion (q, v, a). Throws std::invalid_argument for wrong
-  /// sizes and loads.
+  /// Computes the forces, and updates `system` to the motion (q, v, a). Throws std::invalid_argument for
+  /// wrong sizes and loads.
   TreeForces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a, const Loads<T>& loads)
       : need(system.model().nv()) {
     check_size("a", a.size(), v.size(), "nv");

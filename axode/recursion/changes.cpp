@@ -1,7 +1,6 @@
 #include "axode/recursion/changes.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace axode {
 namespace {
@@ -17,8 +16,9 @@ inline void add_rows(const double* a, Index column_step, const double* x, Index 
                      Index last, double factor, double* __restrict out, Index n) {
   Index k = first;
   for (; k + together <= last; k += together) {
-    const double a0 = factor * a[k * column_step], a1 = factor * a[(k + 1) * column_step],
-                 a2 = factor * a[(k + 2) * column_step], a3 = factor * a[(k + 3) * column_step];
+    const auto coefficient = [&](Index row) { return factor * a[row * column_step]; };
+    const double a0 = coefficient(k), a1 = coefficient(k + 1), a2 = coefficient(k + 2),
+                 a3 = coefficient(k + 3);
     if (a0 == 0 && a1 == 0 && a2 == 0 && a3 == 0) continue;
     const double *x0 = x + k * row_step, *x1 = x0 + row_step, *x2 = x1 + row_step, *x3 = x2 + row_step;
     for (Index c = 0; c < n; ++c) out[c] += (a0 * x0[c] + a1 * x1[c]) + (a2 * x2[c] + a3 * x3[c]);

@@ -33,7 +33,8 @@ interface Kind {
   hasPitch: boolean;
 }
 
-const [TURNS, QUATERNION] = [["wx", "wy", "wz"], ["qx", "qy", "qz", "qw"]];
+const TURNS = ["wx", "wy", "wz"];
+const QUATERNION = ["qx", "qy", "qz", "qw"];
 const turned = (x: readonly number[]) => new Quaternion(x[0], x[1], x[2], x[3]);
 const simple = { sliders: [""], coordinates: [""], velocities: [""], hasQuaternion: false, hasPlace: true, hasPitch: false };
 const turning = {

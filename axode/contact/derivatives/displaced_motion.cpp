@@ -38,7 +38,8 @@ Vec3<Displaced> along(const Vec3<>& a, std::size_t first) {
 /// The 3 × 6 matrix that takes the displacement of a body, which is known at O, to that of a point on it.
 Across displacement_of(const Vec3<>& point, const Vec3<>& O) {
   Across out;
-  out << -skew(point - O), Eigen::Matrix3d::Identity();
+  out.leftCols<3>() = -skew(point - O);
+  out.rightCols<3>().setIdentity();
   return out;
 }
 
@@ -69,8 +70,8 @@ ContactChanges contact_changes(const ContactJet& jet, const Displacements& a, co
   Eigen::Matrix<double, 7, 6> by_relative;
   by_relative << jet.point_by, jet.normal_by, jet.gap_by;
   const auto add = [&](const Displacements& end, double sign) {
-    Matrix6<double> to_about;
-    to_about << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero(), displacement_of(jet.about, end.O);
+    Matrix6<double> to_about = Matrix6<double>::Identity();
+    to_about.bottomRows<3>() = displacement_of(jet.about, end.O);
     Eigen::Matrix<double, 7, 6> by = sign * by_relative * to_about;
     if (sign < 0) {  // the point and the normal move with a
       by.topRows<3>() += displacement_of(jet.point, end.O);
@@ -135,14 +136,15 @@ Changes DisplacedMotion::row_velocities(const ContactJet& at, const ContactChang
     const Vec3<> arm = at.point - origin(body);
     slip += sign * (V.v + cross(V.w, arm));
     turning += sign * V.w;
-    Six by_twist(rows, 6);
+    Six by_twist = Six::Zero(rows, 6);
     for (int row = 0; row < rows; ++row) {
       const Vec3<> a = sign * *axis[static_cast<std::size_t>(row % 3)];
       if (row < 3) {
-        by_twist.row(row) << to_eigen(cross(arm, a)).transpose(), to_eigen(a).transpose();
+        by_twist.row(row).head<3>() = to_eigen(cross(arm, a));
+        by_twist.row(row).tail<3>() = to_eigen(a);
         by_point.row(row) += to_eigen(cross(a, V.w)).transpose();
       } else {
-        by_twist.row(row) << to_eigen(a).transpose(), Eigen::RowVector3d::Zero();
+        by_twist.row(row).head<3>() = to_eigen(a);
       }
     }
     add_product(by_twist, of(dV_, body), out);

@@ -94,30 +94,22 @@ template <class T> struct MomentumFirstOrder {
     return verdict;
   }
 
-  /// Computes the matrices Mv_q = ∂(M v)/∂q, F_q = ∂F/∂q and F_v = ∂F/∂v, nv × nv numbers each, [component,
-  /// direction]. M v and F are functions of (q, v), and M is the mass matrix without armatures. F = ∂T/∂q +
-  /// ad_vᵀ M v is the rate of M v without drive forces, gravity, loads and losses, where T is the kinetic
-  /// energy. ad_v is the Lie bracket of the configuration group; it is 0 for joints with one velocity (D5.2).
-  void kinetic(const Tree<T>& tree, const T* q, const T* v_given, T* Mv_q, T* F_q, T* F_v) noexcept {
+  /// Computes the matrices Mv_q = ∂(M v)/∂q and, if they are given, F_q = ∂F/∂q and F_v = ∂F/∂v, nv × nv
+  /// numbers each, [component, direction]. M v and F are functions of (q, v), and M is the mass matrix
+  /// without armatures. F = ∂T/∂q + ad_vᵀ M v is the rate of M v without drive forces, gravity, loads and
+  /// losses, where T is the kinetic energy. ad_v is the Lie bracket of the configuration group; it is 0 for
+  /// joints with one velocity (D5.2).
+  template <class... Rates>
+  void kinetic(const Tree<T>& tree, const T* q, const T* v_given, T* Mv_q, Rates*... F_q_and_F_v) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     std::fill_n(zero, nv, T(0));
     std::copy_n(v_given, nv, v);
-    for (T* const matrix : {Mv_q, F_q, F_v}) std::fill_n(matrix, nv * nv, T(0));
+    for (T* const matrix : {Mv_q, F_q_and_F_v...}) std::fill_n(matrix, nv * nv, T(0));
     const auto add_to = [nv](T* matrix) {
       return [=](std::ptrdiff_t r, std::ptrdiff_t direction, const T& x) { matrix[direction * nv + r] += x; };
     };
     move(tree, q);
-    each_entry(tree, add_to(Mv_q), add_to(F_q), add_to(F_v));
-  }
-  /// Computes the matrix Mv_q of kinetic() alone.
-  void momenta_by_q(const Tree<T>& tree, const T* q, const T* v_given, T* Mv_q) noexcept {
-    const std::ptrdiff_t nv = tree->nv;
-    std::fill_n(zero, nv, T(0));
-    std::copy_n(v_given, nv, v);
-    std::fill_n(Mv_q, nv * nv, T(0));
-    move(tree, q);
-    each_entry(
-        tree, [=](std::ptrdiff_t r, std::ptrdiff_t direction, const T& x) { Mv_q[direction * nv + r] += x; });
+    each_entry(tree, add_to(Mv_q), add_to(F_q_and_F_v)...);
   }
 
  private:

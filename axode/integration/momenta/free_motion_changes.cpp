@@ -35,7 +35,7 @@ ContactStepDerivative::Kinetic ContactStepDerivative::kinetic(const VectorXd& q,
 
 Matrix ContactStepDerivative::momenta_by_q(const VectorXd& q, const VectorXd& v) {
   Matrix out(v.size(), v.size());
-  momenta_->momenta_by_q(*tree_, q.data(), v.data(), out.data());
+  momenta_->kinetic(*tree_, q.data(), v.data(), out.data());
   return out;
 }
 
