@@ -25,9 +25,9 @@ function(axode_add_library target name)
 endfunction()
 
 # Sources that are compiled once for each scalar, and once for each representation and scalar (AXODE_T,
-# AXODE_REP, see axode/recursion/instantiate.hpp). Fast kernels, and sources that take Fast instead of a
-# representation, are listed separately: each of these is a unit of its own. The others become one unit for
-# each combination, which compiles faster.
+# AXODE_REP, see axode/recursion/instantiate.hpp). The sources of each combination become one unit, which
+# compiles in half of the time. Fast kernels for each representation, and sources that take Fast instead of a
+# representation, are listed separately: these are compiled for each instruction set.
 set(AXODE_PER_SCALAR
     kinematics/center_of_mass
     kinematics/higher_order/higher_order
@@ -37,14 +37,20 @@ set(AXODE_PER_SCALAR
     constraints/constrained_dynamics
     constraints/embedding/drive_elimination
     constraints/loop_system/independent_rows
+    constraints/loop_system/loop_derivatives
     constraints/loop_system/loop_rows
     constraints/loop_system/loop_system
     constraints/loops
     constraints/loop_system/fast_acceleration
+    derivatives/forward_dynamics_derivatives
     derivatives/geometry_derivatives
+    derivatives/inverse_dynamics_derivatives
     derivatives/linearization
     derivatives/momentum_form_derivatives
+    derivatives/products/products
     derivatives/rates
+    derivatives/second_order/hessian
+    derivatives/second_order/second_derivatives
     derivatives/spring_derivatives
     derivatives/term_derivatives
     dynamics/closed_form/coriolis
@@ -80,14 +86,6 @@ set(AXODE_IN_DOUBLE
     constraints/embedding/task_ranks
     contact/law/contact_system
     recursion/changes)
-
-set(AXODE_FAST_PER_SCALAR
-    constraints/loop_system/loop_derivatives
-    derivatives/forward_dynamics_derivatives
-    derivatives/second_order/hessian
-    derivatives/inverse_dynamics_derivatives
-    derivatives/products/products
-    derivatives/second_order/second_derivatives)
 
 axode_add_library(axode_core core)
 set_target_properties(axode_core PROPERTIES OUTPUT_NAME axode)
@@ -148,7 +146,8 @@ function(axode_unite target)
 endfunction()
 
 # axode_add_instances(<group> <name> <first> <definitions> <source>...): objects of the sources with these
-# definitions, and with the precompiled header of <first>.
+# definitions, and with the precompiled header of <first>, which is such an object, too: GCC ignores --param where it
+# was not given for the precompiled header.
 function(axode_add_instances group name first definitions)
   if(NOT ARGN)
     return()
@@ -206,18 +205,14 @@ function(axode_add_group library group)
 endfunction()
 
 # The first objects of the library and of each set.
-axode_add_objects(to_dynamics_double axode_often_included ${PROJECT_SOURCE_DIR}/axode/workspace/workspace.cpp)
-axode_precompile(axode_often_included axode_often_included)
+axode_add_instances(to_dynamics_double axode_often_included axode_often_included "" workspace/workspace)
 axode_instantiate_for_sets(to_dynamics_double axode_largest_footprint "" workspace/largest_footprint)
 
 # This library is compiled in two parts, because the demo needs only the first one, in double.
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
 set(floors_beyond_dynamics derivatives constraints contact drives integration catalog)
-set(instantiated AXODE_PER_SCALAR AXODE_FAST_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_FAST_PER_REPRESENTATION
-                 AXODE_PER_REPRESENTATION_AND_FAST AXODE_ROWS AXODE_IN_DOUBLE)
-foreach(fast IN LISTS AXODE_FAST_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST AXODE_FAST_PER_SCALAR)
-  set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${fast}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-endforeach()
+set(instantiated AXODE_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_FAST_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST
+                 AXODE_ROWS AXODE_IN_DOUBLE)
 
 # axode_add_part(<part>): adds the groups <part>_double and <part>_float, with
 # the objects of these floors. In double, the default kernels and the functions
@@ -232,17 +227,16 @@ function(axode_add_part part)
     list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/${source}.cpp)
   endforeach()
   axode_add_objects(${part}_double axode_${part} ${sources})
-  axode_precompile(axode_${part} axode_often_included)
+  axode_precompile(axode_${part} axode_to_dynamics)
   axode_unite(axode_${part})
 
   list(JOIN floors_${part} | floors)
   foreach(list IN LISTS instantiated)
     list(FILTER ${list} INCLUDE REGEX "^(${floors})/")
   endforeach()
-  set(of_loops ${AXODE_PER_SCALAR} ${AXODE_FAST_PER_SCALAR})
+  set(of_loops ${AXODE_PER_SCALAR})
   list(FILTER of_loops INCLUDE REGEX "^constraints/")
   list(REMOVE_ITEM AXODE_PER_SCALAR ${of_loops})
-  list(REMOVE_ITEM AXODE_FAST_PER_SCALAR ${of_loops})
   axode_instantiate_for_sets(${part}_double axode_${part}_in_double "" ${AXODE_IN_DOUBLE})
   axode_instantiate_for_sets(${part}_double axode_${part}_loops_double AXODE_T=double ${of_loops})
   axode_instantiate(${part}_float axode_${part}_loops_float AXODE_T=float ${of_loops})
@@ -253,8 +247,7 @@ function(axode_add_part part)
   foreach(T double float)
     set(group ${part}_${T})
     set(name axode_${part})
-    cmake_language(CALL ${instantiate_${T}} ${group} ${name}_${T} AXODE_T=${T} ${AXODE_PER_SCALAR}
-                   ${AXODE_FAST_PER_SCALAR})
+    cmake_language(CALL ${instantiate_${T}} ${group} ${name}_${T} AXODE_T=${T} ${AXODE_PER_SCALAR})
     cmake_language(CALL ${instantiate_${T}} ${group} ${name}_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}"
                    ${AXODE_PER_REPRESENTATION_AND_FAST})
     axode_instantiate(${group} ${name}_rows_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_ROWS})
