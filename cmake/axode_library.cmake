@@ -121,8 +121,8 @@ endfunction()
 
 # axode_unite(<target> [<folder>...]): compiles many sources as one unit, because most of the time of a source goes
 # to headers and templates that its neighbours use too: those of each floor or, without AXODE_LARGE_UNITS, of each
-# folder. With folders given, only their sources are united. GCC would need 3.5 GB for all of integration/, and
-# as much time as for its folders.
+# folder. With folders given, these are units, and all other sources are one. GCC would need 3.5 GB for all of
+# integration/, and as much time as for its folders.
 function(axode_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   if(AXODE_LARGE_UNITS)  # the names of one room are visible in the others
@@ -133,10 +133,10 @@ function(axode_unite target)
   foreach(source IN LISTS sources)
     cmake_path(GET source PARENT_PATH room)
     cmake_path(GET room FILENAME folder)
-    if(ARGN AND NOT folder IN_LIST ARGN)
-      continue()
-    endif()
     cmake_path(RELATIVE_PATH room BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/axode)
+    if(ARGN AND NOT folder IN_LIST ARGN)
+      set(room others)
+    endif()
     if(AXODE_LARGE_UNITS AND NOT (CMAKE_CXX_COMPILER_ID STREQUAL GNU AND room MATCHES "^integration"))
       string(REGEX REPLACE "^([^./]+)/.*" "\\1" room ${room})
     endif()
@@ -211,6 +211,9 @@ axode_instantiate_for_sets(to_dynamics_double axode_largest_footprint "" workspa
 # This library is compiled in two parts, because the demo needs only the first one, in double.
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
 set(floors_beyond_dynamics derivatives constraints contact drives integration catalog)
+# It instantiates functions of the class that loop_system.cpp instantiates without them.
+set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/constraints/loop_system/loop_derivatives.cpp
+                            PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 set(instantiated AXODE_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_FAST_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST
                  AXODE_ROWS AXODE_IN_DOUBLE)
 

@@ -6,7 +6,7 @@
 namespace axode::command {
 namespace {
 
-constexpr const char* footer = R"(Example:
+constexpr const char* demo_footer = R"(Example:
   axode demo
 
 Loads an arm and a humanoid that come with axode, and computes their inverse dynamics in four
@@ -16,7 +16,7 @@ representations of twists and wrenches: they must agree to rounding. Takes a few
 
 void add_demo(CLI::App& app, int& exit_code) {
   CLI::App* demo = app.add_subcommand("demo", "Show what axode does, on an arm and a humanoid");
-  demo->footer(footer);
+  demo->footer(demo_footer);
   demo->callback([&exit_code] {
     show_demo();
     exit_code = all_well;

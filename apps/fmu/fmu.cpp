@@ -32,7 +32,7 @@ constexpr std::array<std::pair<std::string_view, KindWord>, 3> kinds{
      {"model-exchange", KindWord::model_exchange},
      {"co-simulation", KindWord::co_simulation}}};
 
-constexpr const char* footer = R"(Example:
+constexpr const char* fmu_footer = R"(Example:
   axode fmu four_bar.toml --output four_bar.fmu --frame coupler
 
 An FMU is a file that other simulators run. It contains the mechanism as a drawing, and a binary for this
@@ -105,7 +105,7 @@ void add_fmu(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   fmu->add_flag("--joint-losses", options->joint_losses,
                 "Count damping, friction and losses of gears of the joints");
-  fmu->footer(footer);
+  fmu->footer(fmu_footer);
   fmu->callback([options, &exit_code] {
     run(*options);
     exit_code = all_well;

@@ -15,7 +15,7 @@
 namespace axode::command {
 namespace {
 
-constexpr const char* footer = R"(Example:
+constexpr const char* completion_footer = R"(Example:
   axode completion bash
 
 In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: source <(axode completion zsh).
@@ -144,7 +144,7 @@ void add_completion(CLI::App& app, int& exit_code) {
       app.add_subcommand("completion", "Print the script by which a shell completes commands and options");
   completion->add_option("SHELL", *shell, "The shell")->required()->type_name(words(shells));
   completion->add_option("WORDS", *line, "Words after axode; the last one is completed");
-  completion->footer(footer);
+  completion->footer(completion_footer);
   completion->callback([&app, shell, line, &exit_code] {
     const char* const script = choose("SHELL", *shell, shells);
     fmt::print("{}", line->empty() ? script : completions(app, *line, *shell));

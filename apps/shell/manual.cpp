@@ -5,6 +5,7 @@
 #include "apps/commands/overview.hpp"
 #include "apps/shell/command_line.hpp"
 #include "apps/shell/commands.hpp"
+#include "apps/shell/version.hpp"
 
 /// The manual page of `axode`, which consists of the help of the program and of every command.
 namespace axode::command {
@@ -24,7 +25,7 @@ std::string page(const CLI::App& app) {
   std::string text = fmt::format(
       ".TH AXODE 1 \"{}\" \"axode {}\" \"User Commands\"\n.SH NAME\naxode \\- {}\n"
       ".SH SYNOPSIS\n.B axode\n.I COMMAND\n.RI [ ARGUMENTS ]\n.SH DESCRIPTION\n{}.SH COMMANDS\n",
-      AXODE_DATE, AXODE_VERSION, app.get_description(), as_it_stands(overview()));
+      build_date(), AXODE_VERSION, app.get_description(), as_it_stands(overview()));
   for (const CLI::App* command : commands(app))
     text += fmt::format(".SS {}\n{}", command->get_name(), as_it_stands(command->help("axode")));
   return text + ".SH NOTES\n" + as_it_stands(app.get_footer());

@@ -25,4 +25,6 @@ std::string version() {
       NLOHMANN_JSON_VERSION_PATCH, zip_libzip_version());
 }
 
+const char* build_date() { return AXODE_DATE; }
+
 }  // namespace axode::command

@@ -11,7 +11,7 @@
 namespace axode::command {
 namespace {
 
-constexpr const char* footer = R"(Example:
+constexpr const char* study_footer = R"(Example:
   axode study double_pendulum.toml --csv study.csv --plot study.svg
 
 Measures every algorithm in every representation and four choices of body frames:
@@ -71,7 +71,7 @@ void add_study(CLI::App& app, char** argv, int& exit_code) {
       "--drift", options->drift,
       "Add how far joints in absolute coordinates open if nothing closes them, by the groups of the bodies");
   study->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
-  study->footer(footer);
+  study->footer(study_footer);
   study->callback([options, argv, &exit_code] {
     run_study(*options, checked_models(*options), argv);
     exit_code = all_well;
