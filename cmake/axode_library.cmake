@@ -128,6 +128,9 @@ function(axode_unite target)
   if(AXODE_LARGE_UNITS)  # the names of one room are visible in the others
     target_compile_options(${target} PRIVATE -Wno-shadow)
   endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # it takes the sources of a unit for headers
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "^${PROJECT_SOURCE_DIR}/.*\\.cpp$")
   foreach(source IN LISTS sources)
@@ -271,13 +274,10 @@ axode_instantiate_for_sets(batch axode_batch_double AXODE_T=double batch/kernels
 axode_instantiate_for_sets(batch axode_batch_float AXODE_T=float batch/kernels)
 find_package(TBB REQUIRED)
 axode_add_library(axode_batch batch)
-target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
-                                   ${PROJECT_SOURCE_DIR}/axode/batch/check_loops.cpp
-                                   ${PROJECT_SOURCE_DIR}/axode/batch/contact_rollout.cpp
-                                   ${PROJECT_SOURCE_DIR}/axode/batch/control_law_sampler.cpp
-                                   ${PROJECT_SOURCE_DIR}/axode/batch/drive_rollout.cpp
-                                   ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp
-                                   ${PROJECT_SOURCE_DIR}/axode/batch/rollout.cpp)
+file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/batch/*.cpp)
+list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/batch/kernels.cpp)
+target_sources(axode_batch PRIVATE ${sources})
+axode_unite(axode_batch)
 target_link_libraries(axode_batch PUBLIC axode::axode PRIVATE TBB::tbb)
 
 foreach(group IN ITEMS to_dynamics_double beyond_dynamics_double)
