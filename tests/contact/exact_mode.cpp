@@ -194,6 +194,42 @@ TEST(ExactContact, ABoxTipsWhereTheForceExceedsItsWeight) {
   for (const double t : opens) EXPECT_NEAR(t, g / growth, time_tolerance);
 }
 
+/// A square table between two coordinates x and, about the x axis, of the same width, with its top at z = 0.
+Scene table(const std::array<double, 2>& x, double friction) {
+  Scene scene({});
+  ShapeDescription top = touching(ShapeKind::box, {.friction = friction});
+  top.name = "table";
+  top.size = {x[1] - x[0], x[1] - x[0], 0.2};
+  top.pose.r = {(x[0] + x[1]) / 2, 0, -0.1};
+  scene.description.shapes = {top};
+  return scene;
+}
+
+/// A box slides over the edge of a table, corner after corner, and tips where the centre of its load reaches
+/// the edge. With friction this centre is μ h before the centre of mass, at the height h.
+TEST(ExactContact, ABoxTipsOverTheEdgeOfATable) {
+  const double half = 0.1, way = 0.3;
+  for (const double mu : {0.0, 0.2}) {
+    for (const double yaw : {0.0, 0.3, 0.7}) {
+      SCOPED_TRACE(std::to_string(mu) + ", " + std::to_string(yaw));
+      const double speed = mu > 0 ? 1.5 : 0.5, left = way - mu * half;
+      const Model model = table({-1, 0}, mu).add("box", ShapeKind::box, half, {.friction = mu}).build();
+      const std::vector<double> q{0, 0, std::sin(yaw / 2), std::cos(yaw / 2), -way, 0, half},
+          v{0, 0, 0, speed * std::cos(yaw), -speed * std::sin(yaw), 0};
+      const double tips =
+          mu > 0 ? (speed - std::sqrt(speed * speed - 2 * mu * g * left)) / (mu * g) : left / speed;
+      const Trajectory motion = simulate_contact_exact(model, q, v, tips + 0.1, tight);
+      expect_lawful(motion);
+      const std::vector<double> opens = times_of(motion, Kind::open);
+      ASSERT_GE(opens.size(), 2u);
+      EXPECT_NEAR(opens[0], tips, time_tolerance);
+      EXPECT_NEAR(opens[1], tips, time_tolerance);
+      const Trajectory steps = simulate_contact(model, q, v, tips + 0.1, 2e-4);
+      for (std::size_t c = 0; c < 7; ++c) EXPECT_NEAR(last(motion, false)[c], last(steps, false)[c], 1e-5);
+    }
+  }
+}
+
 /// A frictionless ball on a fixed ball leaves it where cos θ has fallen to 2/3 of its value at rest.
 TEST(ExactContact, ABallLeavesASphereAtTwoThirdsOfItsHeight) {
   const double R = 0.5, r = 0.1, start = 0.3;
@@ -468,6 +504,30 @@ TEST(ExactContact, ABoxUnderForcesThatTurnMovesToTheEnd) {
   EXPECT_GE(events, 20U);
 }
 
+/// Throws the last body of a scene in a random way, as a box, ball or capsule, and checks that it moves to the
+/// end and gains no energy. Returns whether impacts without end were cut short.
+bool throw_body(Random<double>& random, Scene& scene, ShapeKind kind, double friction) {
+  scene.add("body", kind, 0.1, {.friction = friction, .restitution = random.number(0, 0.5)});
+  BodyDescription& body = scene.description.bodies.back();
+  body.shapes[0].size.x *= 1.5;
+  body.shapes[0].length = 0.3;
+  body.shapes[0].pose.r = {0, random.number(0, 0.05), 0};
+  const Model model = scene.build();
+  std::vector<double> q = at({0, 0, 0.5});
+  q = integrate(model, q, std::vector<double>{random.number(-2, 2), random.number(-2, 2), 1, 0, 0, 0});
+  const Trajectory motion = simulate_contact_exact(model, q, random_numbers(random, 6, 2), 1.5,
+                                                   {.relative = 1e-10, .absolute = 1e-10});
+  EXPECT_TRUE(motion.complete) << motion.stop_reason;
+  for (const double certificate : motion.certificates) EXPECT_LE(certificate, 1e-6);
+  double before = energy_at(model, motion, 0);
+  for (std::size_t k = 1; k < motion.size(); ++k) {
+    const double now = energy_at(model, motion, k);
+    EXPECT_LE(now, before + 1e-8) << motion.t()[k];
+    before = now;
+  }
+  return std::ranges::any_of(motion.contact_events, &Trajectory::ContactEvent::shortened);
+}
+
 /// Bodies that are thrown land, rock and roll without end. Rocking takes infinitely many impacts in a finite
 /// time, of which the last ones are left out.
 TEST(ExactContact, BodiesThatAreThrownMoveToTheEnd) {
@@ -479,27 +539,20 @@ TEST(ExactContact, BodiesThatAreThrownMoveToTheEnd) {
     Scene scene({.friction = friction}, seed % 2 == 0 ? 0 : random.number(0, 0.3));
     const ShapeKind kind =
         std::array{ShapeKind::box, ShapeKind::box, ShapeKind::sphere, ShapeKind::capsule}[seed % 4];
-    scene.add("body", kind, 0.1, {.friction = friction, .restitution = random.number(0, 0.5)});
-    BodyDescription& body = scene.description.bodies.back();
-    body.shapes[0].size.x *= 1.5;
-    body.shapes[0].length = 0.3;
-    body.shapes[0].pose.r = {0, random.number(0, 0.05), 0};
-    const Model model = scene.build();
-    std::vector<double> q = at({0, 0, 0.5});
-    q = integrate(model, q, std::vector<double>{random.number(-2, 2), random.number(-2, 2), 1, 0, 0, 0});
-    const Trajectory motion = simulate_contact_exact(model, q, random_numbers(random, 6, 2), 1.5,
-                                                     {.relative = 1e-10, .absolute = 1e-10});
-    ASSERT_TRUE(motion.complete) << motion.stop_reason;
-    for (const double certificate : motion.certificates) EXPECT_LE(certificate, 1e-6);
-    double before = energy_at(model, motion, 0);
-    for (std::size_t k = 1; k < motion.size(); ++k) {
-      const double now = energy_at(model, motion, k);
-      EXPECT_LE(now, before + 1e-8) << motion.t()[k];
-      before = now;
-    }
-    rocked += std::ranges::any_of(motion.contact_events, &Trajectory::ContactEvent::shortened) ? 1 : 0;
+    rocked += throw_body(random, scene, kind, friction) ? 1 : 0;
   }
   EXPECT_GE(rocked, 3);
+}
+
+/// Boxes that are thrown on a small table slide and tip over its edges and corners.
+TEST(ExactContact, BoxesThatAreThrownOnATableMoveToTheEnd) {
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random<double> random(seed);
+    const double friction = random.number(0, 1);
+    Scene scene = table({-0.15, 0.15}, friction);
+    throw_body(random, scene, ShapeKind::box, friction);
+  }
 }
 
 /// The sliding velocity of a ball whose centre of mass is aside falls to 1e-6 m/s and turns to another

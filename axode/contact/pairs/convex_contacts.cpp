@@ -1,5 +1,6 @@
 #include "axode/contact/pairs/convex_contacts.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -31,10 +32,16 @@ double clip_along(const ContactShape& a, const SE3<T>& A, const ContactShape& b,
               out);
 }
 
-/// The separation of two boxes along one axis, or along the axis of greatest separation.
+/// The separation of two boxes along one axis.
 template <class T> struct Separation {
   Vec3<T> n{};  ///< unit vector from box a to box b
   double gap = -std::numeric_limits<double>::infinity();
+};
+/// The separation of two boxes along the axis of the normal, and the greatest of all axes. These differ
+/// where a face and a pair of edges separate the boxes nearly as well, and the face is preferred.
+template <class T> struct Separations {
+  Separation<T> normal;
+  double greatest;
 };
 
 template <class T> std::array<const Vec3<T>*, 3> axes(const SE3<T>& C) { return {&C.R.x, &C.R.y, &C.R.z}; }
@@ -45,8 +52,8 @@ double half_width(const ContactShape& box, const SO3<>& R, const Vec3<>& n) {
 }
 
 template <class T>
-Separation<T> separate(const ContactShape& a, const SE3<T>& A, const ContactShape& b,
-                       const SE3<T>& B) noexcept {
+Separations<T> separate(const ContactShape& a, const SE3<T>& A, const ContactShape& b,
+                        const SE3<T>& B) noexcept {
   const Vec3<T> r = B.r - A.r;
   const SO3<> R_a = value(A.R), R_b = value(B.R);
   const auto along = [&](const Vec3<T>& axis) -> Separation<T> {
@@ -74,7 +81,7 @@ Separation<T> separate(const ContactShape& a, const SE3<T>& A, const ContactShap
       const T sine = norm(axis);
       if (sine > T(1e-6)) prefer((T(1) / sine) * axis, 0);
     }
-  return best.gap > of_faces.gap + bias_of_edges ? best : of_faces;
+  return {best.gap > of_faces.gap + bias_of_edges ? best : of_faces, std::max(best.gap, of_faces.gap)};
 }
 
 }  // namespace
@@ -92,12 +99,12 @@ void touch_convex(const ContactShape& a, const SE3<>& A, const ContactShape& b, 
 template <class T>
 bool touch_boxes(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
                  PointList<T>& out) noexcept {
-  const Separation<T> s = separate(a, A, b, B);
-  if (!(s.gap < out.margin())) return true;
+  const auto [normal, greatest] = separate(a, A, b, B);
+  if (!(normal.gap < out.margin())) return true;
   PointList<T> clipped = out;
-  const double least = clip_along(a, A, b, B, s.n, clipped);
+  const double least = clip_along(a, A, b, B, normal.n, clipped);
   const double tolerance = 1e-8 * (a.convex.extent + b.convex.extent);
-  if (least > s.gap + tolerance) return false;
+  if (least > greatest + tolerance) return false;
   out = clipped;
   return true;
 }

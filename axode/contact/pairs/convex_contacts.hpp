@@ -16,7 +16,7 @@ void touch_convex(const ContactShape& a, const SE3<>& A, const ContactShape& b, 
 /// other overlap when seen along the normal. Of the face normals of both boxes and the common perpendiculars
 /// of their edges, the normal is the one along which the boxes are separated most. If the separations differ
 /// by rounding errors only, a face is preferred to a pair of edges, and a face of a to one of b. If no corner
-/// is as near as the separation along the normal, the function adds nothing and returns false; then
+/// is as near as the greatest separation, the function adds nothing and returns false; then
 /// touch_convex(), the function for any two convex shapes, must be called.
 template <class T>
 bool touch_boxes(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,

@@ -14,8 +14,6 @@ namespace {
 
 /// Contacts for which memory is reserved.
 constexpr std::size_t phase_capacity = 16;
-/// A margin (m) beyond all distances.
-constexpr double everywhere = 1e6;
 
 }  // namespace
 
@@ -71,6 +69,7 @@ int ContactPhase::row_of(std::size_t k) const {
 }
 
 std::string ContactPhase::make_rows(const Vector& q, double h) {
+  points_change_ = false;
   if (std::string why = find(q); !why.empty()) return why;
   std::stable_partition(closed.begin(), closed.end(),
                         [](const auto& c) { return c.law == ContactLaw::contact; });
@@ -79,6 +78,7 @@ std::string ContactPhase::make_rows(const Vector& q, double h) {
   for (const ClosedConstraint& c : closed) {
     if (c.law != ContactLaw::contact) break;
     const ContactPoint* at = point(c.key);
+    points_change_ = !at;
     if (!at) return "the points at which " + jets_.names(c.key) + " touch change" + instead;
     contacts_.push_back({.a = shapes[at->a].body,
                          .b = shapes[at->b].body,
@@ -171,6 +171,7 @@ std::string ContactPhase::set_motion(const Vector& q, const Vector& v, const For
   motion_.run(q.data(), v.data(), v, Matrix::Zero(nv, 1));
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const ContactJet* jet = jets_.find(contacts_[k].key, C_, everywhere);
+    points_change_ = !jet;
     if (!jet) return "contact of " + jets_.names(contacts_[k].key) + " has no closed form" + instead;
     const ContactChanges change = motion_.contact(*jet);
     std::array<double, LawBlock::most_rows> u{};

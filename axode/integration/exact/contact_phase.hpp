@@ -132,6 +132,16 @@ class ContactPhase {
   std::string impact(const Vector& q, Vector& v, const IsLast& is_last, std::vector<Impact>& met,
                      double& certificate);
 
+  /// Whether the last call failed because a closed contact is no point of contact any more: the points at
+  /// which faces and edges touch change when a corner of one passes an edge of the other.
+  bool points_change() const { return points_change_; }
+  /// The points at q of all pairs of shapes that have closed contacts, as keys.
+  std::string points_at(const Vector& q, std::vector<std::uint64_t>& keys);
+  /// Replaces the contacts of the pairs of shapes whose points have changed by those points that touch at q.
+  /// Which of all constraints stick and which slide follows from the velocities v. `lost` receives the
+  /// contacts of pairs that do not touch any more.
+  std::string replace_points(const Vector& q, const Vector& v, std::vector<ClosedConstraint>& lost);
+
   /// Closes open contacts and stops that touch, and moves q and v so that their velocities and those of all
   /// closed ones are 0. Whether each of them opens, sticks or slides is not decided yet.
   std::string close(const std::vector<Gap>& touching, Vector& q, Vector& v);
@@ -149,6 +159,8 @@ class ContactPhase {
  private:
   /// The remedy in the messages of what this method cannot decide.
   static constexpr const char* instead = "; use the method contact or contact_adaptive";
+  /// A margin (m) beyond all distances.
+  static constexpr double everywhere = 1e6;
 
   /// A row (scalar constraint) of the contact problem whose multiplier is computed together with the
   /// accelerations. If the row is the normal row of a sliding contact, `friction` has the multipliers of the
@@ -221,8 +233,9 @@ class ContactPhase {
   Vector w_, u_, bias_, lambda_, x_;
   std::vector<double> slips_, speeds_;
   std::vector<Active> active_;
-  Vector loads_, weights_;   ///< forces of active_, and the motions of unit forces of their rows
-  Matrix free_loads_;        ///< basis of the loads of active_ that do not move the held rows
+  Vector loads_, weights_;  ///< forces of active_, and the motions of unit forces of their rows
+  Matrix free_loads_;       ///< basis of the loads of active_ that do not move the held rows
+  bool points_change_ = false;
   bool loads_move_ = false;  ///< whether free_loads_ cause motions, because friction depends on them
   double touching_ = 0, speed_ = 0;
 };

@@ -156,6 +156,42 @@ Failure ExactContactRun::switch_drives() {
   return {};
 }
 
+Failure ExactContactRun::pass(double t_1, const Failure& why) {
+  if (!phase_.points_change()) return why;
+  const double t = now();
+  StepEnd end;
+  // Where a corner has just passed an edge, points coincide to rounding. The motion is followed until they
+  // are apart.
+  constexpr double longest = 1e-6;
+  std::vector<std::uint64_t> here, later;
+  end.q.resize(q.size());
+  const auto points_after = [&](double h, std::vector<std::uint64_t>& keys) {
+    end.v = h * v;
+    group().move(q, end.v, end.q);
+    return phase_.points_at(end.q, keys);
+  };
+  for (double h = t_1 - t;; h *= 2) {
+    if (std::string fails = points_after(2 * h, later); !fails.empty()) return {t, fails};
+    if (std::string fails = points_after(h, here); !fails.empty()) return {t, fails};
+    t_1 = t + h;
+    if (here == later) break;
+    if (h > longest * last_) return why;
+  }
+  end.v = v + (t_1 - t) * a;
+  end.x = drives_.x + (t_1 - t) * drives_.dx;
+  follow(t_1);
+  std::vector<ClosedConstraint> before;
+  if (std::string fails = phase_.replace_points(end.q, end.v, before); !fails.empty()) return {t, fails};
+  if (Failure failure = accept(t_1, end)) return failure;
+  if (done()) return {};
+  before.insert(before.end(), phase_.closed.begin(), phase_.closed.end());
+  if (Failure failure = decide(t_1)) return failure;
+  note_changes(t_1, before, {}, {});
+  if (Failure failure = settle(t_1)) return failure;
+  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
+  return {};
+}
+
 Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& attempt) {
   const double t_0 = now();
   Marks marks;

@@ -26,6 +26,10 @@ class ExactContactRun : public SimulationRun {
   /// that change to another branch of their law. If the step is too long to find an event in it, takes no
   /// step and sets step_limit_.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
+  /// Takes a step to t_1 or somewhat later after attempts at the shortest steps have failed. If the points at
+  /// which two faces touch change there, the step is taken with the present accelerations, and the phase with
+  /// the new points begins. Otherwise takes no step and returns the failure of the attempts.
+  Failure pass(double t_1, const Failure& why);
   /// As that of SimulationRun, and not after step_limit_.
   double step_end(double t_1) const { return std::min(SimulationRun::step_end(t_1), step_limit_); }
 

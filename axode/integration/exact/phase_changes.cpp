@@ -347,6 +347,48 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
   return {};
 }
 
+std::string ContactPhase::points_at(const Vector& q, std::vector<std::uint64_t>& keys) {
+  if (std::string why = find(q); !why.empty()) return why;
+  keys.clear();
+  for (const ContactPoint& at : finder_.points())
+    if (std::ranges::any_of(closed, [&](const ClosedConstraint& c) {
+          return c.law == ContactLaw::contact && shapes_of_key(c.key) == shapes_of_key(at.key);
+        }))
+      keys.push_back(at.key);
+  return {};
+}
+
+std::string ContactPhase::replace_points(const Vector& q, const Vector& v,
+                                         std::vector<ClosedConstraint>& lost) {
+  if (std::string why = find(q); !why.empty()) return why;
+  const auto of_pair = [](const ClosedConstraint& c, std::uint64_t key) {
+    return c.law == ContactLaw::contact && shapes_of_key(c.key) == shapes_of_key(key);
+  };
+  std::vector<std::uint64_t> changed;
+  for (const ClosedConstraint& c : closed)
+    if (c.law == ContactLaw::contact && !(point(c.key) && jets_.find(c.key, C_, everywhere)))
+      changed.push_back(c.key);
+  const auto has_changed = [&](std::uint64_t key) {
+    return std::ranges::any_of(changed,
+                               [&](std::uint64_t old) { return shapes_of_key(old) == shapes_of_key(key); });
+  };
+  lost.clear();
+  std::erase_if(closed, [&](const ClosedConstraint& c) {
+    const bool changes = c.law == ContactLaw::contact && has_changed(c.key);
+    if (changes) lost.push_back(c);
+    return changes;
+  });
+  for (const ContactPoint& at : finder_.points()) {
+    if (!has_changed(at.key) || at.gap > touching_) continue;
+    closed.push_back({.law = ContactLaw::contact, .key = at.key});
+    std::erase_if(lost, [&](const ClosedConstraint& c) { return of_pair(c, at.key); });
+  }
+  if (std::string why = make_rows(q); !why.empty()) return why;
+  bool impacts = false;
+  select_slow(v, at_rest_after, impacts);
+  return {};
+}
+
 std::string ContactPhase::close(const std::vector<Gap>& touching, Vector& q, Vector& v) {
   for (const Gap& gap : touching)
     closed.push_back({.law = gap.law, .key = gap.key, .branch = LawBranch::slide});

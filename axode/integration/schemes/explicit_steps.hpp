@@ -176,8 +176,13 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
       return run.stop({t, "the step became too short for the tolerances; use larger tolerances, or rk4"});
     const double t_1 = last ? run.step_end(until) : t + length;
     if (Failure failure = attempt(t_1, end)) {  // the step may be too long
-      if (h < 1e-9 * until) return run.stop(failure);
       ++run.trajectory.rejected;
+      if (h < 1e-9 * until) {
+        Failure stops = failure;
+        if constexpr (requires { run.pass(t_1, failure); }) stops = run.pass(t_1, failure);
+        if (stops) return run.stop(stops);
+        continue;
+      }
       h *= 0.1;
       continue;
     }
