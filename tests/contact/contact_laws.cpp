@@ -4,6 +4,7 @@
 #include <set>
 
 #include "axode/contact/convex/support.hpp"
+#include "axode/contact/derivatives/contact_jet.hpp"
 #include "axode/model/kinds/shape_kinds.hpp"
 #include "tests/contact/two_shapes.hpp"
 #include "tests/laws/law.hpp"
@@ -189,6 +190,77 @@ TEST(FlatContact, OfAHullWithManyVerticesHasItsOutermostOnes) {
     EXPECT_LT(std::max(low.x, low.y), -0.197);
     EXPECT_GT(std::min(high.x, high.y), 0.197);
   }
+}
+
+/// Boxes and hulls that touch with faces and corners, or with crossing edges.
+TEST(ContactJets, OfHullsAndBoxesAgreeWithDifferences) {
+  constexpr double far = 1;
+  int faces = 0, crossings = 0, refused = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random<double> random(seed);
+    const ShapeDescription mesh = collision_shape(ShapeKind::mesh, {}, 0, 0);
+    const ShapeDescription box = collision_shape(ShapeKind::box, {0.5, 0.4, 0.3}, 0, 0);
+    const ContactShapes shapes(
+        free_bodies({mesh, seed % 2 == 0 ? mesh : box}),
+        [&](const auto&, const auto&) { return prism(3 + static_cast<int>(seed % 5)); });
+    ContactFinder finder(shapes);
+    ContactJets jets(shapes);
+    const SE3<> A{exp_SO3(random.vector(3)), random.vector(1)};
+    SE3<> B{exp_SO3(random.vector(3)), {}};
+    const Vec3<> direction = random.vector(1);
+    const double gap = seed % 3 == 0 ? 1e-5 : 1e-3;
+    double near = 0, far_away = 10 / norm(direction);  // in which the shapes are nearer and farther
+    for (int k = 0; k < 60; ++k) {
+      const double way = (near + far_away) / 2;
+      B.r = A.r + way * direction;
+      const bool is_near = convex_distance(shapes[0].convex, A, shapes[1].convex, B).distance < gap;
+      (is_near ? near : far_away) = way;
+    }
+    const auto poses = [&](const Vec3<>& w, const Vec3<>& v) {
+      return std::array<SE3<>, 3>{SE3<>{}, A, SE3<>{exp_SO3(w) * B.R, B.r + v}};
+    };
+    ASSERT_TRUE(finder.find(poses({}, {}), far));
+    const std::vector<ContactPoint> points(finder.points().begin(), finder.points().end());
+    ASSERT_FALSE(points.empty());
+    if (!jets.find(points[0].key, poses({}, {}), far)) {  // a corner is nearest to a corner or an edge
+      EXPECT_FALSE(jets.closed_form());
+      ++refused;
+      continue;
+    }
+    // The normal of a face does not turn, or turns with body b; that of two edges does neither.
+    const double turn = jets.find(points[0].key, poses({}, {}), far)->normal_by.norm();
+    (turn < 1e-12 || std::abs(turn - std::sqrt(2.0)) < 1e-12 ? faces : crossings) += 1;
+    for (const ContactPoint& at : points) {
+      const ContactJet* found = jets.find(at.key, poses({}, {}), far);
+      ASSERT_TRUE(found);
+      const ContactJet jet = *found;
+      EXPECT_LT(norm(jet.point - at.point) + norm(jet.normal - at.normal), 1e-9);
+      constexpr double step = 1e-6;
+      for (int c = 0; c < 6; ++c) {
+        std::array<ContactPoint, 2> moved;
+        for (const int side : {0, 1}) {
+          Vec3<> w{}, v{};
+          (&(c < 3 ? w : v).x)[c % 3] = side == 0 ? -step : step;
+          ASSERT_TRUE(finder.find(poses(w, v), far));
+          const auto same = std::ranges::find(finder.points(), at.key, &ContactPoint::key);
+          ASSERT_TRUE(same != finder.points().end());
+          moved[static_cast<std::size_t>(side)] = *same;
+        }
+        const auto rate = [&](const auto& x) { return (1 / (2 * step)) * (x(moved[1]) - x(moved[0])); };
+        const Vec3<> point = rate([](const ContactPoint&p) { return p.point; }),
+                     normal = rate([](const ContactPoint&p) { return p.normal; });
+        for (int k = 0; k < 3; ++k) {
+          EXPECT_NEAR(jet.point_by(k, c), (&point.x)[k], 1e-5);
+          EXPECT_NEAR(jet.normal_by(k, c), (&normal.x)[k], 1e-5);
+        }
+        EXPECT_NEAR(jet.gap_by(c), rate([](const ContactPoint& p) { return p.gap; }), 1e-5);
+      }
+    }
+  }
+  EXPECT_GE(faces, 10);
+  EXPECT_GE(crossings, 10);
+  EXPECT_LE(refused, 5);
 }
 
 TEST(ContactFinder, SaysThatItsCapacityIsExceeded) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "axode/contact/pairs/convex_contacts.hpp"
 #include "axode/contact/pairs/touch.hpp"
 #include "axode/model/tree.hpp"
 
@@ -40,7 +41,10 @@ bool ContactJets::touch_pair(std::uint64_t key, std::span<const SE3<>> C, double
   about_ = pose(b).r;
   const SE3<Displaced> A = cast<Displaced>(pose(a)), B = displaced(pose(b));
   PointList<Displaced> out(points_, margin);
-  closed_ = a < b ? touch(shapes_, a, b, A, B, out) : touch(shapes_, b, a, B, A, out);
+  const auto in_order = [&](int i, int j, const SE3<Displaced>& I, const SE3<Displaced>& J) {
+    return touch(shapes_, i, j, I, J, out) || touch_polytopes(shapes_[i], I, shapes_[j], J, out);
+  };
+  closed_ = a < b ? in_order(a, b, A, B) : in_order(b, a, B, A);
   count_ = out.count();
   return closed_;
 }

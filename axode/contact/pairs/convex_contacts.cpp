@@ -84,7 +84,50 @@ Separations<T> separate(const ContactShape& a, const SE3<T>& A, const ContactSha
   return {best.gap > of_faces.gap + bias_of_edges ? best : of_faces, std::max(best.gap, of_faces.gap)};
 }
 
+/// The edge of a polygon whose two corners are farthest along n, as a vector; the vector 0 if only one corner
+/// is, within the tolerance.
+template <class T>
+Vec3<T> supporting_edge(const Feature<T>& polygon, const Vec3<>& n, double tolerance) noexcept {
+  double farthest = -std::numeric_limits<double>::infinity();
+  for (int k = 0; k < polygon.count; ++k) farthest = std::max(farthest, dot(n, value(polygon.point[k])));
+  const auto is_far = [&](int k) { return dot(n, value(polygon.point[k])) > farthest - tolerance; };
+  for (int k = 0; k < polygon.count; ++k)
+    if (const int next = (k + 1) % polygon.count; is_far(k) && is_far(next))
+      return polygon.point[next] - polygon.point[k];
+  return {};
+}
+
+bool has_plane_faces(const ContactShape& shape) {
+  return shape.kind == ShapeKind::box || shape.kind == ShapeKind::mesh;
+}
+
 }  // namespace
+
+bool touch_polytopes(const ContactShape& a, const SE3<Displaced>& A, const ContactShape& b,
+                     const SE3<Displaced>& B, PointList<Displaced>& out) noexcept {
+  if (!has_plane_faces(a) || !has_plane_faces(b)) return false;
+  const ConvexDistance d = convex_distance(a.convex, value(A), b.convex, value(B));
+  if (!(d.distance < out.margin())) return true;
+  constexpr double parallel = 1e-6;
+  const double tolerance = 1e-8 * (a.convex.extent + b.convex.extent);
+  const Vec3<Displaced> along = cast<Displaced>(d.normal);
+  const Feature<Displaced> of_a = supporting_feature(a, A, along), of_b = supporting_feature(b, B, -along);
+  Vec3<Displaced> n;
+  if (norm(value(of_a.normal) - d.normal) < parallel) {
+    n = of_a.normal;
+  } else if (norm(value(of_b.normal) + d.normal) < parallel) {
+    n = -of_b.normal;
+  } else {
+    n = cross(supporting_edge(of_a, d.normal, tolerance), supporting_edge(of_b, -d.normal, tolerance));
+    if (!(dot(n, n) > Displaced(0))) return false;
+    n = (Displaced(dot(value(n), d.normal) < 0 ? -1 : 1) / norm(n)) * n;
+    if (!(norm(value(n) - d.normal) < parallel)) return false;
+  }
+  PointList<Displaced> clipped = out;
+  if (clip_along(a, A, b, B, n, clipped) > d.distance + tolerance) return false;
+  out = clipped;
+  return true;
+}
 
 void touch_convex(const ContactShape& a, const SE3<>& A, const ContactShape& b, const SE3<>& B,
                   PointList<>& out) noexcept {

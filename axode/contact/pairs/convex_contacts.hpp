@@ -1,5 +1,6 @@
 #pragma once
 #include "axode/contact/contact_shapes.hpp"
+#include "axode/contact/pairs/displaced.hpp"
 #include "axode/contact/pairs/point_list.hpp"
 
 /// Contact points of convex bodies that may touch with a face. Poses are in the inertial frame.
@@ -11,6 +12,12 @@ namespace axode {
 /// no corner is as near as the least distance, the midpoint of the nearest points is added as well.
 void touch_convex(const ContactShape& a, const SE3<>& A, const ContactShape& b, const SE3<>& B,
                   PointList<>& out) noexcept;
+
+/// Adds the points of touch_convex() with their derivatives if both shapes are boxes or hulls. The normal is
+/// that of a face or the common perpendicular of two edges. Returns false if it is neither, because a corner
+/// is nearest to a corner or to an edge, or if one of the shapes is round.
+bool touch_polytopes(const ContactShape& a, const SE3<Displaced>& A, const ContactShape& b,
+                     const SE3<Displaced>& B, PointList<Displaced>& out) noexcept;
 
 /// Adds the contact points of two boxes a and b: the corners of the region in which the faces that face each
 /// other overlap when seen along the normal. Of the face normals of both boxes and the common perpendiculars
