@@ -170,11 +170,12 @@ Failure ExactContactRun::pass(double t_1, const Failure& why) {
     group().move(q, end.v, end.q);
     return phase_.points_at(end.q, keys);
   };
-  for (double h = t_1 - t;; h *= 2) {
+  const double rest = step_end(last_) - t;
+  for (double h = t_1 - t;; h = std::min(2 * h, rest)) {
     if (std::string fails = points_after(2 * h, later); !fails.empty()) return {t, fails};
     if (std::string fails = points_after(h, here); !fails.empty()) return {t, fails};
-    t_1 = t + h;
-    if (here == later) break;
+    t_1 = h < rest ? t + h : step_end(last_);
+    if (here == later || !(h < rest)) break;
     if (h > longest * last_) return why;
   }
   end.v = v + (t_1 - t) * a;

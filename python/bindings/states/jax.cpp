@@ -72,11 +72,11 @@ Mechanisms& mechanisms() {
 }
 
 /// An array that XLA passes in a call. It has an item of several numbers for each state.
-struct Operand {
+struct XlaOperand {
   const xla::Buffer& buffer;
   std::size_t states = 1, item = 1;
 
-  Operand(const xla::Buffer& given, int item_axes) : buffer(given) {
+  XlaOperand(const xla::Buffer& given, int item_axes) : buffer(given) {
     for (std::int64_t k = 0; k < given.rank; ++k)
       (k < given.rank - item_axes ? states : item) *= static_cast<std::size_t>(given.lengths[k]);
   }
@@ -87,7 +87,7 @@ struct Operand {
 /// The numbers of an argument as doubles. float32 numbers are converted.
 class Doubles {
  public:
-  explicit Doubles(const Operand& operand) {
+  explicit Doubles(const XlaOperand& operand) {
     if (operand.is_double()) {
       numbers_ = {static_cast<const double*>(operand.buffer.data), operand.size()};
     } else {
@@ -109,7 +109,7 @@ class Doubles {
 /// The memory for a result, as doubles. deliver() converts the numbers if the result is float32.
 class Answer {
  public:
-  explicit Answer(const Operand& result) : result_(result) {
+  explicit Answer(const XlaOperand& result) : result_(result) {
     if (!result.is_double()) converted_.resize(result.size());
     numbers_ =
         result.is_double() ? std::span(static_cast<double*>(result.buffer.data), result.size()) : converted_;
@@ -125,7 +125,7 @@ class Answer {
   }
 
  private:
-  Operand result_;
+  XlaOperand result_;
   std::vector<double> converted_;
   std::span<double> numbers_;
 };
@@ -146,8 +146,8 @@ class Call {
     if (kind != xla::AttributeKind::scalar || scalar->type != type) refuse_attribute(name);
     return *static_cast<const T*>(scalar->value);
   }
-  Operand argument(std::size_t k, int item_axes) const { return of(frame_.arguments, k, item_axes); }
-  Operand result(std::size_t k, int item_axes) const { return of(frame_.results, k, item_axes); }
+  XlaOperand argument(std::size_t k, int item_axes) const { return of(frame_.arguments, k, item_axes); }
+  XlaOperand result(std::size_t k, int item_axes) const { return of(frame_.results, k, item_axes); }
   std::size_t results() const { return static_cast<std::size_t>(frame_.results.size); }
   /// Throws std::invalid_argument with the name of the function that is called.
   [[noreturn]] void refuse(const std::string& why) const {
@@ -175,7 +175,7 @@ class Call {
     if (attribute.second == nullptr) refuse_attribute(name);
     return attribute;
   }
-  Operand of(const xla::Buffers& buffers, std::size_t k, int item_axes) const {
+  XlaOperand of(const xla::Buffers& buffers, std::size_t k, int item_axes) const {
     if (k >= static_cast<std::size_t>(buffers.size)) refuse("too few arguments or results were given");
     const xla::Buffer& buffer = *buffers.all[k];
     if (buffer.rank < item_axes || (buffer.type != xla::Type::float64 && buffer.type != xla::Type::float32))
@@ -190,7 +190,7 @@ class Call {
 /// The states of a call: the model, the number of states, and q with its quaternions scaled to norm 1.
 class StatesOf {
  public:
-  StatesOf(const Call& call, const Operand& q)
+  StatesOf(const Call& call, const XlaOperand& q)
       : call_(call), model_(mechanisms().at(call.text("model"))), count_(q.states) {
     threads_ = static_cast<int>(call.number<std::int64_t>("threads", xla::Type::int64));
     size_is(q, static_cast<std::size_t>(model_.nq()));
@@ -199,7 +199,7 @@ class StatesOf {
   std::size_t count() const { return count_; }
   int threads() const { return threads_; }
 
-  void size_is(const Operand& operand, std::size_t item) const {
+  void size_is(const XlaOperand& operand, std::size_t item) const {
     if (operand.states != count_ || operand.item != item)
       call_.refuse("an array has " + std::to_string(operand.states) + " times " +
                    std::to_string(operand.item) + " numbers; expected " + std::to_string(count_) + " times " +
@@ -245,7 +245,7 @@ class StatesOf {
   std::vector<std::size_t> undefined_;
 };
 
-double tolerance_of(const Operand& q) { return q.is_double() ? 1e-6 : 1e-4; }
+double tolerance_of(const XlaOperand& q) { return q.is_double() ? 1e-6 : 1e-4; }
 
 /// Calls f(workspace, k) for every state k, on several threads.
 void one_by_one(const Model& model, std::size_t count, int threads,
@@ -299,7 +299,7 @@ void state_function(const Call& call) {
   const catalog::Function<double>* const row = catalog::find<Fast>(name);
   if (row == nullptr) throw std::invalid_argument("there is no function " + name);
   const auto item_axes = static_cast<int>(call.number<std::int64_t>("item_axes", xla::Type::int64));
-  const Operand of_q = call.argument(0, 1), result = call.result(0, item_axes);
+  const XlaOperand of_q = call.argument(0, 1), result = call.result(0, item_axes);
   StatesOf states(call, of_q);
   const Model& model = states.model();
   states.size_is(result, row->size(model, 0));
@@ -307,7 +307,7 @@ void state_function(const Call& call) {
   Inputs inputs;
   for (const catalog::Input input : catalog::inputs_of_numbers)
     if (row->takes_input(input)) {
-      const Operand operand = call.argument(inputs.size(), 1);
+      const XlaOperand operand = call.argument(inputs.size(), 1);
       if (input != catalog::Input::q) states.size_is(operand, static_cast<std::size_t>(model.nv()));
       inputs.emplace_back(input, operand);
     }
@@ -316,7 +316,7 @@ void state_function(const Call& call) {
   const bool losses = call.number<bool>("joint_losses", xla::Type::boolean);
   const Answer answer(result);
   if (call.number<bool>("parameters", xla::Type::boolean)) {
-    const Operand operand = call.argument(inputs.size(), 1);
+    const XlaOperand operand = call.argument(inputs.size(), 1);
     states.size_is(operand, 10 * static_cast<std::size_t>(model.n_bodies()));
     each_run(Doubles(operand).all(), states.count(),
              [&](auto parameters, std::size_t first, std::size_t count) {
@@ -333,13 +333,13 @@ void motion(const Call& call) {
   const std::string name = call.text("function");
   const bool jvp = name == "rollout_jvp", vjp = name == "rollout_vjp";
   const double step = call.number<double>("step", xla::Type::float64);
-  const Operand of_q = call.argument(0, 1), of_tau = call.argument(2, 2);
+  const XlaOperand of_q = call.argument(0, 1), of_tau = call.argument(2, 2);
   StatesOf states(call, of_q);
   const Model& m = states.model();
   const std::size_t K = static_cast<std::size_t>(of_tau.buffer.lengths[of_tau.buffer.rank - 2]),
                     nv = static_cast<std::size_t>(m.nv());
   const auto given = [&](std::size_t k, int axes, std::size_t size) {
-    const Operand operand = call.argument(k, axes);
+    const XlaOperand operand = call.argument(k, axes);
     states.size_is(operand, size);
     return Doubles(operand);
   };
