@@ -35,8 +35,7 @@ std::string page(const CLI::App& app) {
 
 void add_manual(CLI::App& app, int& exit_code) {
   CLI::App* manual = app.add_subcommand("manual", "Print the manual page");
-  manual->footer(
-      "Example:\n  axode manual\n\nTo read it: axode manual | man -l -. After `cmake --install`: man axode.");
+  manual->footer("Example:\n  axode manual\n\nRead it by: axode manual | man -l -, or man axode");
   manual->callback([&app, &exit_code] {
     fmt::print("{}", page(app));
     exit_code = all_well;
