@@ -43,7 +43,14 @@ Clipped<T> keep_below(const Clipped<T>& in, bool segment, const Height& height, 
     if (p_in == o_in || (segment && next == 0)) continue;
     // At a corner where the polygon leaves the kept part, the next edge lies in the plane and has the label
     // `side`.
-    const T part = std::clamp(x / (x - y), T(0), T(1));  // both heights may be rounding errors
+    // The part is between 0 and 1 but for rounding errors, and has the derivatives of the quotient, unless the
+    // edge is parallel to the plane, so that both heights may be rounding errors.
+    constexpr double steep = 1e-4;
+    T part = x / (x - y);
+    if (std::abs(value(x - y)) > steep * norm(value(o - p)))
+      part += T(std::clamp(value(part), 0.0, 1.0) - value(part));
+    else
+      part = std::clamp(part, T(0), T(1));
     out.add(p + part * (o - p), p_in ? side : in.label[i]);
   }
   return out;

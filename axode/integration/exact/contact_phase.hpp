@@ -135,11 +135,12 @@ class ContactPhase {
   /// Whether the last call failed because a closed contact is no point of contact any more: the points at
   /// which faces and edges touch change when a corner of one passes an edge of the other.
   bool points_change() const { return points_change_; }
-  /// The points at q of all pairs of shapes that have closed contacts, as keys.
-  std::string points_at(const Vector& q, std::vector<std::uint64_t>& keys);
+  /// The points at q of all pairs of shapes that have closed contacts, as keys, and whether those that touch
+  /// are apart.
+  std::string points_at(const Vector& q, std::vector<std::uint64_t>& keys, bool& apart);
   /// Replaces the contacts of the pairs of shapes whose points have changed by those points that touch at q.
-  /// Which of all constraints stick and which slide follows from the velocities v. `lost` receives the
-  /// contacts of pairs that do not touch any more.
+  /// Which of the new ones stick and which slide follows from the velocities v. `lost` receives the contacts of
+  /// pairs that do not touch any more.
   std::string replace_points(const Vector& q, const Vector& v, std::vector<ClosedConstraint>& lost);
 
   /// Closes open contacts and stops that touch, and moves q and v so that their velocities and those of all
@@ -171,6 +172,11 @@ class ContactPhase {
     std::array<double, LawBlock::most_rows - 1> friction = {};  ///< forces of the friction rows per unit
   };
   void list_touching(const Vector& q, double most);
+  /// Computes the velocities of all rows, and the speed of the mechanism measured by its kinetic energy.
+  void set_velocities(const Vector& v);
+  /// Chooses whether contact k of `closed` sticks or slides, after set_velocities(). It sticks if its sliding
+  /// velocity counts as 0, see select_slow().
+  void choose_branch(std::size_t k, double of_motion);
   /// Chooses from the velocities v which constraints in the list `closed` of contacts, stops and joints with
   /// dry friction stick and which slide. Removes the contacts and stops whose distance increases. `impacts`
   /// receives whether the distance of a contact or stop decreases, so that there is an impact. A velocity of

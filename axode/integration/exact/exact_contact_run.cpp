@@ -165,18 +165,18 @@ Failure ExactContactRun::pass(double t_1, const Failure& why) {
   constexpr double longest = 1e-6;
   std::vector<std::uint64_t> here, later;
   end.q.resize(q.size());
+  bool apart = false;
   const auto points_after = [&](double h, std::vector<std::uint64_t>& keys) {
     end.v = h * v;
     group().move(q, end.v, end.q);
-    return phase_.points_at(end.q, keys);
+    return phase_.points_at(end.q, keys, apart);
   };
   const double rest = step_end(last_) - t;
   for (double h = t_1 - t;; h = std::min(2 * h, rest)) {
     if (std::string fails = points_after(2 * h, later); !fails.empty()) return {t, fails};
     if (std::string fails = points_after(h, here); !fails.empty()) return {t, fails};
     t_1 = h < rest ? t + h : step_end(last_);
-    if (here == later || !(h < rest)) break;
-    if (h > longest * last_) return why;
+    if ((here == later && apart) || !(h < rest) || h > longest * last_) break;
   }
   end.v = v + (t_1 - t) * a;
   end.x = drives_.x + (t_1 - t) * drives_.dx;

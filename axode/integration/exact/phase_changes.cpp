@@ -15,6 +15,9 @@ namespace {
 constexpr double change_accepted = 1e-9, change_precise = 1e-15;  // certificates
 /// Part of the largest velocity with the same energy up to which a constraint is at rest after an impact.
 constexpr double at_rest_after = 1e-10;
+/// The gap of a point that touches after the points have changed, times touching_: corners that have passed an
+/// edge by no more than the rounding error of clipping count as points.
+constexpr double clipped = 20;
 
 }  // namespace
 
@@ -234,12 +237,28 @@ void ContactPhase::list_touching(const Vector& q, double most) {
   closed = std::move(touching);
 }
 
-void ContactPhase::select_slow(const Vector& v, double of_motion, bool& impacts) {
+void ContactPhase::set_velocities(const Vector& v) {
   u_.resize(system_.problem().rows());
   system_.times(v.data(), u_.data());
   Vector p(v.size());
   system_.momenta(v.data(), p.data());
   speed_ = std::sqrt(std::max(0.0, p.dot(v)));
+}
+
+void ContactPhase::choose_branch(std::size_t k, double of_motion) {
+  const int row = row_of(k);
+  double squares = 0, largest = 0;
+  for (int i = row + 1; i < row + system_.contact_rows(); ++i) {
+    squares += std::pow(c_[index(i)] * u_[i], 2);
+    largest = std::max(largest, c_[index(i)] * Y_.col(i).norm());
+  }
+  const bool slides = std::sqrt(squares) > of_motion * speed_ * largest;
+  closed[k].branch = slides || !has_friction(k) ? LawBranch::slide : LawBranch::stick;
+  closed[k].along = closed[k].about = {};
+}
+
+void ContactPhase::select_slow(const Vector& v, double of_motion, bool& impacts) {
+  set_velocities(v);
   impacts = false;
   std::vector<char> leaves(closed.size());
   for (std::size_t k = 0; k < closed.size(); ++k) {
@@ -252,15 +271,7 @@ void ContactPhase::select_slow(const Vector& v, double of_motion, bool& impacts)
     }
     leaves[k] = u_[row] > tolerance;
     impacts = impacts || u_[row] < -tolerance;
-    if (c.law != ContactLaw::contact) continue;
-    double squares = 0, largest = 0;
-    for (int i = row + 1; i < row + system_.contact_rows(); ++i) {
-      squares += std::pow(c_[index(i)] * u_[i], 2);
-      largest = std::max(largest, c_[index(i)] * Y_.col(i).norm());
-    }
-    const bool slides = std::sqrt(squares) > of_motion * speed_ * largest;
-    c.branch = slides || !has_friction(k) ? LawBranch::slide : LawBranch::stick;
-    c.along = c.about = {};
+    if (c.law == ContactLaw::contact) choose_branch(k, of_motion);
   }
   std::size_t k = 0;
   std::erase_if(closed, [&](const ClosedConstraint&) { return leaves[k++] != 0; });
@@ -347,14 +358,23 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
   return {};
 }
 
-std::string ContactPhase::points_at(const Vector& q, std::vector<std::uint64_t>& keys) {
+std::string ContactPhase::points_at(const Vector& q, std::vector<std::uint64_t>& keys, bool& apart) {
   if (std::string why = find(q); !why.empty()) return why;
+  constexpr double together = 1e3;  // times touching_
   keys.clear();
-  for (const ContactPoint& at : finder_.points())
-    if (std::ranges::any_of(closed, [&](const ClosedConstraint& c) {
-          return c.law == ContactLaw::contact && shapes_of_key(c.key) == shapes_of_key(at.key);
-        }))
-      keys.push_back(at.key);
+  apart = true;
+  std::vector<const ContactPoint*> near;
+  for (const ContactPoint& at : finder_.points()) {
+    const auto touches = [&](const ClosedConstraint& c) {
+      return c.law == ContactLaw::contact && shapes_of_key(c.key) == shapes_of_key(at.key);
+    };
+    if (std::ranges::none_of(closed, touches)) continue;
+    keys.push_back(at.key);
+    if (at.gap > clipped * touching_) continue;
+    for (const ContactPoint* other : near)
+      apart = apart && norm(other->point - at.point) > together * touching_;
+    near.push_back(&at);
+  }
   return {};
 }
 
@@ -378,14 +398,25 @@ std::string ContactPhase::replace_points(const Vector& q, const Vector& v,
     if (changes) lost.push_back(c);
     return changes;
   });
+  constexpr double leaving = 1e-7;
+  std::vector<std::uint64_t> added;
   for (const ContactPoint& at : finder_.points()) {
-    if (!has_changed(at.key) || at.gap > touching_) continue;
+    if (!has_changed(at.key) || at.gap > clipped * touching_) continue;
+    added.push_back(at.key);
     closed.push_back({.law = ContactLaw::contact, .key = at.key});
-    std::erase_if(lost, [&](const ClosedConstraint& c) { return of_pair(c, at.key); });
   }
   if (std::string why = make_rows(q); !why.empty()) return why;
-  bool impacts = false;
-  select_slow(v, at_rest_after, impacts);
+  set_velocities(v);
+  std::vector<char> leaves(closed.size());
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (std::ranges::find(added, closed[k].key) == added.end()) continue;
+    leaves[k] = u_[row_of(k)] > leaving * speed_ * Y_.col(row_of(k)).norm();
+    if (leaves[k]) continue;
+    choose_branch(k, at_rest_after);
+    std::erase_if(lost, [&](const ClosedConstraint& c) { return of_pair(c, closed[k].key); });
+  }
+  std::size_t k = 0;
+  std::erase_if(closed, [&](const ClosedConstraint&) { return leaves[k++] != 0; });
   return {};
 }
 
