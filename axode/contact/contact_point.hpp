@@ -25,5 +25,7 @@ constexpr std::uint64_t contact_key(int a, int b, std::uint32_t feature) {
 constexpr std::array<int, 2> shapes_of_key(std::uint64_t key) {
   return {static_cast<int>(key >> 44), static_cast<int>(key >> 24 & 0xfffff)};
 }
+/// Whether two keys are those of contact points of the same two shapes.
+constexpr bool of_one_pair(std::uint64_t key, std::uint64_t other) { return key >> 24 == other >> 24; }
 
 }  // namespace axode

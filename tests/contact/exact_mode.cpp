@@ -194,7 +194,7 @@ TEST(ExactContact, ABoxTipsWhereTheForceExceedsItsWeight) {
   for (const double t : opens) EXPECT_NEAR(t, g / growth, time_tolerance);
 }
 
-/// A square table between two coordinates x and, about the x axis, of the same width, with its top at z = 0.
+/// A square table that reaches from x[0] to x[1] and as far along y. Its top is at z = 0.
 Scene table(const std::array<double, 2>& x, double friction) {
   Scene scene({});
   ShapeDescription top = touching(ShapeKind::box, {.friction = friction});
@@ -504,8 +504,8 @@ TEST(ExactContact, ABoxUnderForcesThatTurnMovesToTheEnd) {
   EXPECT_GE(events, 20U);
 }
 
-/// Throws the last body of a scene in a random way, as a box, ball or capsule, and checks that it moves to the
-/// end and gains no energy. Returns whether impacts without end were cut short.
+/// Adds a body to a scene, throws it in a random way, and checks that it moves to the end and gains no energy.
+/// Returns whether impacts without end were cut short.
 bool throw_body(Random<double>& random, Scene& scene, ShapeKind kind, double friction) {
   scene.add("body", kind, 0.1, {.friction = friction, .restitution = random.number(0, 0.5)});
   BodyDescription& body = scene.description.bodies.back();

@@ -33,7 +33,8 @@ SE3<Displaced> displaced(const SE3<>& C) {
 ContactJets::ContactJets(ContactShapes shapes) : shapes_(std::move(shapes)), points_(most_points) {}
 
 bool ContactJets::touch_pair(std::uint64_t key, std::span<const SE3<>> C, double margin) noexcept {
-  const int a = shapes_of(key)[0], b = shapes_of(key)[1];
+  const auto [first, second] = shapes_of_key(key);
+  const int a = first, b = second;
   if (a == i_ && b == j_) return closed_;
   i_ = a;
   j_ = b;
@@ -67,7 +68,7 @@ const ContactJet* ContactJets::find(std::uint64_t key, std::span<const SE3<>> C,
 }
 
 std::string ContactJets::names(std::uint64_t key) const {
-  const auto [a, b] = shapes_of(key);
+  const auto [a, b] = shapes_of_key(key);
   return '"' + shapes_[a].name + "\" and \"" + shapes_[b].name + '"';
 }
 

@@ -37,10 +37,6 @@ class ContactJets {
   const ContactJet* find(std::uint64_t key, std::span<const SE3<>> C, double margin) noexcept;
   /// Whether the contact points of the pair of the last find() have a closed form.
   bool closed_form() const { return closed_; }
-  /// The indices {a, b} of the shapes of a contact with this key, see ContactPoint.
-  static std::array<int, 2> shapes_of(std::uint64_t key) {
-    return {static_cast<int>(key >> 44), static_cast<int>(key >> 24 & 0xfffff)};
-  }
   /// The names of the two shapes of a contact, as text for messages.
   std::string names(std::uint64_t key) const;
   /// Forgets the points of the last pair of shapes. It must be called before find() is called with other

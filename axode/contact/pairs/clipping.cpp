@@ -43,14 +43,14 @@ Clipped<T> keep_below(const Clipped<T>& in, bool segment, const Height& height, 
     if (p_in == o_in || (segment && next == 0)) continue;
     // At a corner where the polygon leaves the kept part, the next edge lies in the plane and has the label
     // `side`.
-    // The part is between 0 and 1 but for rounding errors, and has the derivatives of the quotient, unless the
-    // edge is parallel to the plane, so that both heights may be rounding errors.
+    // The quotient is between 0 and 1 but for rounding errors. Beyond an end, the part keeps its derivatives,
+    // unless the edge is nearly parallel to the plane, so that both heights may be rounding errors.
     constexpr double steep = 1e-4;
-    T part = x / (x - y);
-    if (std::abs(value(x - y)) > steep * norm(value(o - p)))
-      part += T(std::clamp(value(part), 0.0, 1.0) - value(part));
-    else
-      part = std::clamp(part, T(0), T(1));
+    const T quotient = x / (x - y), limited = std::clamp(quotient, T(0), T(1));
+    const Vec3<> edge = value(o - p);
+    const double rise = value(x - y);
+    const bool is_steep = rise * rise > steep * steep * dot(edge, edge);
+    const T part = is_steep ? quotient + T(value(limited) - value(quotient)) : limited;
     out.add(p + part * (o - p), p_in ? side : in.label[i]);
   }
   return out;

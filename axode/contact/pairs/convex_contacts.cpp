@@ -32,6 +32,18 @@ double clip_along(const ContactShape& a, const SE3<T>& A, const ContactShape& b,
               out);
 }
 
+/// Adds these points if one of them is as near as the bodies, whose distance is at least `distance`, and
+/// says whether it is.
+template <class T>
+bool clip_at(double distance, const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
+             const Vec3<T>& n, PointList<T>& out) noexcept {
+  const double tolerance = 1e-8 * (a.convex.extent + b.convex.extent);
+  PointList<T> clipped = out;
+  if (clip_along(a, A, b, B, n, clipped) > distance + tolerance) return false;
+  out = clipped;
+  return true;
+}
+
 /// The separation of two boxes along one axis.
 template <class T> struct Separation {
   Vec3<T> n{};  ///< unit vector from box a to box b
@@ -123,10 +135,7 @@ bool touch_polytopes(const ContactShape& a, const SE3<Displaced>& A, const Conta
     n = (Displaced(dot(value(n), d.normal) < 0 ? -1 : 1) / norm(n)) * n;
     if (!(norm(value(n) - d.normal) < parallel)) return false;
   }
-  PointList<Displaced> clipped = out;
-  if (clip_along(a, A, b, B, n, clipped) > d.distance + tolerance) return false;
-  out = clipped;
-  return true;
+  return clip_at(d.distance, a, A, b, B, n, out);
 }
 
 void touch_convex(const ContactShape& a, const SE3<>& A, const ContactShape& b, const SE3<>& B,
@@ -144,12 +153,7 @@ bool touch_boxes(const ContactShape& a, const SE3<T>& A, const ContactShape& b, 
                  PointList<T>& out) noexcept {
   const auto [normal, greatest] = separate(a, A, b, B);
   if (!(normal.gap < out.margin())) return true;
-  PointList<T> clipped = out;
-  const double least = clip_along(a, A, b, B, normal.n, clipped);
-  const double tolerance = 1e-8 * (a.convex.extent + b.convex.extent);
-  if (least > greatest + tolerance) return false;
-  out = clipped;
-  return true;
+  return clip_at(greatest, a, A, b, B, normal.n, out);
 }
 
 template bool touch_boxes(const ContactShape&, const SE3<>&, const ContactShape&, const SE3<>&,

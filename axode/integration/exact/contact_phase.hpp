@@ -135,12 +135,16 @@ class ContactPhase {
   /// Whether the last call failed because a closed contact is no point of contact any more: the points at
   /// which faces and edges touch change when a corner of one passes an edge of the other.
   bool points_change() const { return points_change_; }
-  /// The points at q of all pairs of shapes that have closed contacts, as keys, and whether those that touch
-  /// are apart.
-  std::string points_at(const Vector& q, std::vector<std::uint64_t>& keys, bool& apart);
+  /// Points of contact of the pairs of shapes that have closed contacts.
+  struct Points {
+    std::vector<std::uint64_t> keys = {};
+    bool apart = true;  ///< whether no two of those that touch coincide to rounding
+    bool operator==(const Points&) const = default;
+  };
+  std::string points_at(const Vector& q, Points& out);
   /// Replaces the contacts of the pairs of shapes whose points have changed by those points that touch at q.
-  /// Which of the new ones stick and which slide follows from the velocities v. `lost` receives the contacts of
-  /// pairs that do not touch any more.
+  /// The velocities v decide which of the new contacts stick and which slide. `lost` receives the contacts
+  /// of pairs that do not touch any more.
   std::string replace_points(const Vector& q, const Vector& v, std::vector<ClosedConstraint>& lost);
 
   /// Closes open contacts and stops that touch, and moves q and v so that their velocities and those of all
@@ -186,6 +190,7 @@ class ContactPhase {
   std::string find(const Vector& q);  ///< finds all points of contact at q
   const ContactPoint* point(std::uint64_t key) const;
   bool is_closed(ContactLaw law, std::uint64_t key) const;  ///< whether `closed` has this constraint
+  bool has_closed(std::uint64_t key) const;  ///< whether `closed` has a contact of the shapes of this key
   /// Makes the rows of all constraints in `closed` at q. Dry joints have their friction times h as bounds.
   std::string make_rows(const Vector& q, double h = 1);
   int row_of(std::size_t k) const;  ///< the first row of a constraint in `closed`, after make_rows()

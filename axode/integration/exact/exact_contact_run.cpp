@@ -148,7 +148,10 @@ Failure ExactContactRun::take_up_to(double t_1, StepEnd& end, const Attempt& att
 Failure ExactContactRun::switch_drives() {
   const double t = now();
   if (!drives_.switch_at(t, as_span(q), as_span(v))) return {};
-  const std::vector<ClosedConstraint> before = phase_.closed;
+  return begin_phase(t, phase_.closed);
+}
+
+Failure ExactContactRun::begin_phase(double t, std::vector<ClosedConstraint> before) {
   if (Failure failure = decide(t)) return failure;
   note_changes(t, before, {}, {});
   if (Failure failure = settle(t)) return failure;
@@ -158,39 +161,38 @@ Failure ExactContactRun::switch_drives() {
 
 Failure ExactContactRun::pass(double t_1, const Failure& why) {
   if (!phase_.points_change()) return why;
-  const double t = now();
+  const double t = now(), rest = step_end(last_) - t;
   StepEnd end;
+  end.q.resize(q.size());
+  ContactPhase::Points here, later;
+  const auto points_after = [&](double h, ContactPhase::Points& points) {
+    end.v = h * v;
+    group().move(q, end.v, end.q);
+    return phase_.points_at(end.q, points);
+  };
   // Where a corner has just passed an edge, points coincide to rounding. The motion is followed until they
   // are apart.
   constexpr double longest = 1e-6;
-  std::vector<std::uint64_t> here, later;
-  end.q.resize(q.size());
-  bool apart = false;
-  const auto points_after = [&](double h, std::vector<std::uint64_t>& keys) {
-    end.v = h * v;
-    group().move(q, end.v, end.q);
-    return phase_.points_at(end.q, keys, apart);
-  };
-  const double rest = step_end(last_) - t;
-  for (double h = t_1 - t;; h = std::min(2 * h, rest)) {
+  double h = t_1 - t;
+  if (std::string fails = points_after(h, here); !fails.empty()) return {t, fails};
+  while (h < rest && h < longest * last_) {
     if (std::string fails = points_after(2 * h, later); !fails.empty()) return {t, fails};
-    if (std::string fails = points_after(h, here); !fails.empty()) return {t, fails};
-    t_1 = h < rest ? t + h : step_end(last_);
-    if ((here == later && apart) || !(h < rest) || h > longest * last_) break;
+    if (here.apart && here == later) break;
+    here = later;
+    h = std::min(2 * h, rest);
   }
-  end.v = v + (t_1 - t) * a;
-  end.x = drives_.x + (t_1 - t) * drives_.dx;
+  t_1 = h < rest ? t + h : step_end(last_);
+  end.v = h * v;
+  group().move(q, end.v, end.q);
+  end.v = v + h * a;
+  end.x = drives_.x + h * drives_.dx;
   follow(t_1);
   std::vector<ClosedConstraint> before;
   if (std::string fails = phase_.replace_points(end.q, end.v, before); !fails.empty()) return {t, fails};
   if (Failure failure = accept(t_1, end)) return failure;
   if (done()) return {};
   before.insert(before.end(), phase_.closed.begin(), phase_.closed.end());
-  if (Failure failure = decide(t_1)) return failure;
-  note_changes(t_1, before, {}, {});
-  if (Failure failure = settle(t_1)) return failure;
-  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
-  return {};
+  return begin_phase(t_1, before);
 }
 
 Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& attempt) {

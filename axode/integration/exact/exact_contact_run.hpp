@@ -54,6 +54,9 @@ class ExactContactRun : public SimulationRun {
   Failure mark(double t, const Vector& q_t, const Vector& v_t, const Vector& x_t, Vector& a_t, Marks& out);
   Failure take_in_phase(double t_1, StepEnd& end, const Attempt& attempt);
   Failure switch_drives();
+  /// Begins another phase at the present state, and adds its differences from the constraints `before` to the
+  /// events. It takes a copy, because `before` may be the list of the phase.
+  Failure begin_phase(double t, std::vector<ClosedConstraint> before);
   void predict(double t_1, const Marks& at_end);
   /// Numbers of which one is negative if a contact, stop or joint with friction has opened, closed, begun or
   /// ceased to slide before t. They are the least distance of the constraint forces from their limits, the

@@ -15,8 +15,8 @@ namespace {
 constexpr double change_accepted = 1e-9, change_precise = 1e-15;  // certificates
 /// Part of the largest velocity with the same energy up to which a constraint is at rest after an impact.
 constexpr double at_rest_after = 1e-10;
-/// The gap of a point that touches after the points have changed, times touching_: corners that have passed an
-/// edge by no more than the rounding error of clipping count as points.
+/// The largest gap, divided by touching_, of points that touch after a change of points. Corners that have
+/// passed an edge by no more than the rounding error of clipping count as such points.
 constexpr double clipped = 20;
 
 }  // namespace
@@ -358,22 +358,23 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
   return {};
 }
 
-std::string ContactPhase::points_at(const Vector& q, std::vector<std::uint64_t>& keys, bool& apart) {
+bool ContactPhase::has_closed(std::uint64_t key) const {
+  return std::ranges::any_of(closed, [&](const ClosedConstraint& c) {
+    return c.law == ContactLaw::contact && of_one_pair(c.key, key);
+  });
+}
+
+std::string ContactPhase::points_at(const Vector& q, Points& out) {
   if (std::string why = find(q); !why.empty()) return why;
   constexpr double together = 1e3;  // times touching_
-  keys.clear();
-  apart = true;
-  std::vector<const ContactPoint*> near;
+  out = {};
+  std::vector<Vec3<>> near;
   for (const ContactPoint& at : finder_.points()) {
-    const auto touches = [&](const ClosedConstraint& c) {
-      return c.law == ContactLaw::contact && shapes_of_key(c.key) == shapes_of_key(at.key);
-    };
-    if (std::ranges::none_of(closed, touches)) continue;
-    keys.push_back(at.key);
+    if (!has_closed(at.key)) continue;
+    out.keys.push_back(at.key);
     if (at.gap > clipped * touching_) continue;
-    for (const ContactPoint* other : near)
-      apart = apart && norm(other->point - at.point) > together * touching_;
-    near.push_back(&at);
+    for (const Vec3<>& other : near) out.apart = out.apart && norm(other - at.point) > together * touching_;
+    near.push_back(at.point);
   }
   return {};
 }
@@ -381,16 +382,12 @@ std::string ContactPhase::points_at(const Vector& q, std::vector<std::uint64_t>&
 std::string ContactPhase::replace_points(const Vector& q, const Vector& v,
                                          std::vector<ClosedConstraint>& lost) {
   if (std::string why = find(q); !why.empty()) return why;
-  const auto of_pair = [](const ClosedConstraint& c, std::uint64_t key) {
-    return c.law == ContactLaw::contact && shapes_of_key(c.key) == shapes_of_key(key);
-  };
   std::vector<std::uint64_t> changed;
   for (const ClosedConstraint& c : closed)
     if (c.law == ContactLaw::contact && !(point(c.key) && jets_.find(c.key, C_, everywhere)))
       changed.push_back(c.key);
   const auto has_changed = [&](std::uint64_t key) {
-    return std::ranges::any_of(changed,
-                               [&](std::uint64_t old) { return shapes_of_key(old) == shapes_of_key(key); });
+    return std::ranges::any_of(changed, [&](std::uint64_t old) { return of_one_pair(old, key); });
   };
   lost.clear();
   std::erase_if(closed, [&](const ClosedConstraint& c) {
@@ -398,25 +395,21 @@ std::string ContactPhase::replace_points(const Vector& q, const Vector& v,
     if (changes) lost.push_back(c);
     return changes;
   });
-  constexpr double leaving = 1e-7;
-  std::vector<std::uint64_t> added;
-  for (const ContactPoint& at : finder_.points()) {
-    if (!has_changed(at.key) || at.gap > clipped * touching_) continue;
-    added.push_back(at.key);
-    closed.push_back({.law = ContactLaw::contact, .key = at.key});
-  }
+  for (const ContactPoint& at : finder_.points())
+    if (has_changed(at.key) && at.gap <= clipped * touching_)
+      closed.push_back({.law = ContactLaw::contact, .key = at.key});
   if (std::string why = make_rows(q); !why.empty()) return why;
   set_velocities(v);
+  constexpr double leaving = 1e-7;
   std::vector<char> leaves(closed.size());
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    if (std::ranges::find(added, closed[k].key) == added.end()) continue;
+    if (!has_changed(closed[k].key)) continue;
     leaves[k] = u_[row_of(k)] > leaving * speed_ * Y_.col(row_of(k)).norm();
-    if (leaves[k]) continue;
     choose_branch(k, at_rest_after);
-    std::erase_if(lost, [&](const ClosedConstraint& c) { return of_pair(c, closed[k].key); });
   }
   std::size_t k = 0;
   std::erase_if(closed, [&](const ClosedConstraint&) { return leaves[k++] != 0; });
+  std::erase_if(lost, [&](const ClosedConstraint& c) { return has_closed(c.key); });
   return {};
 }
 

@@ -53,7 +53,7 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
     if (!jet || thickness_.size() == 0) continue;
     // A layer on a shape moves the side of this shape at the contact along the normal. The contact point is
     // on b if a is a plane, and otherwise half-way.
-    const auto [a, b] = ContactJets::shapes_of(contact.key);
+    const auto [a, b] = shapes_of_key(contact.key);
     const Eigen::RowVectorXd on_a = thickness_.row(a), on_b = thickness_.row(b);
     const double part_a = shapes_[a].kind == ShapeKind::plane ? 0 : 0.5;
     ContactChanges& changes = out.changes.back();
@@ -72,7 +72,7 @@ ContactChanges ContactStepDerivative::placement_changes(std::uint64_t key, const
     xi << to_eigen(C.R) * own.topRows<3>(), to_eigen(C.R) * own.bottomRows<3>();
     return std::pair(xi, C.r);
   };
-  const auto [a, b] = ContactJets::shapes_of(key);
+  const auto [a, b] = shapes_of_key(key);
   const auto [xi_a, r_a] = displacements(a);
   const auto [xi_b, r_b] = displacements(b);
   return contact_changes(jet, {xi_a, r_a}, {xi_b, r_b});
@@ -83,7 +83,7 @@ Changes ContactStepDerivative::coefficient_changes(const std::vector<Contact>& c
   Changes out = Changes::Zero(rows, friction.cols());
   if (friction.size() == 0) return out;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const auto [a, b] = ContactJets::shapes_of(contacts[k].key);
+    const auto [a, b] = shapes_of_key(contacts[k].key);
     const double mu_a = shapes_[a].surface.friction.value_or(0),
                  mu_b = shapes_[b].surface.friction.value_or(0);
     if (!(contacts[k].surface.friction > 0)) continue;
@@ -96,7 +96,7 @@ Changes ContactStepDerivative::coefficient_changes(const std::vector<Contact>& c
 }
 
 Eigen::RowVectorXd ContactStepDerivative::restitution_changes(const Contact& contact) const {
-  const auto [a, b] = ContactJets::shapes_of(contact.key);
+  const auto [a, b] = shapes_of_key(contact.key);
   return restitution_.row(shapes_[a].surface.restitution < shapes_[b].surface.restitution ? b : a);
 }
 
