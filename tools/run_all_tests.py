@@ -28,14 +28,16 @@ class Stage(NamedTuple):
     """A preset to build and to test."""
 
     preset: str
+    libraries: str = ""  # the preset that builds the libraries for it, if it does not build them itself
     programs: str = "*"  # which cases of every program, a filter of GoogleTest
     others: str = ""  # which tests that are no programs of GoogleTest, by the first word of their names
     environment: dict = {}
     emulator: tuple = ()  # the command under which programs run
 
 
-RELEASE = Stage("release", others="Examples|Guards|Package|Peers|Viewer")
 ASAN = Stage("asan")
+TESTS = Stage("tests", libraries="release", others="Examples")
+RELEASE = Stage("release", programs="", others="Guards|Package|Viewer")
 NIGHTLY = {
     "aarch64": Stage("aarch64", programs="*-InstructionSets.*",  # which start the program itself, without the emulator
                      emulator=("qemu-aarch64",)),
@@ -44,12 +46,14 @@ NIGHTLY = {
     "tsan": Stage("tsan", programs="*Threads*:*ManyStates*",
                   environment={"AXODE_RANDOM_TREES": "3",  # it makes calls a hundred times as long
                                "TSAN_OPTIONS": "suppressions=tests/support/thread_sanitizer.txt"}),
-    "trees": Stage("release", programs="*ForwardDynamics.Undoes*:*ClosedForms.AgreeWith*:*FastPath*:*/Invariance.*",
+    "trees": Stage("tests", libraries="release",
+                   programs="*ForwardDynamics.Undoes*:*ClosedForms.AgreeWith*:*FastPath*:*/Invariance.*",
                    environment={"AXODE_RANDOM_TREES": "100000"}),
 }
 FUZZ_SECONDS = 600
 #: Processors of qemu-user without newer instructions, and the set that axode must choose on them.
 PROCESSORS = {"qemu64": "x86-64", "Haswell": "x86-64-v3"}
+LAWS = "build/tests/tests/test_laws"
 #: Laws that take a minute under qemu-user.
 EMULATED_LAWS = "*EveryFunction*:*ForwardDynamics.Undoes*"
 # Numbers of a complete run; far from these a part of the tests is missing.
@@ -232,10 +236,12 @@ def run_programs(stage, jobs, folder):
 
 def test(name, stage, jobs, costs):
     """Outcomes of one stage; a stage that does not build, or finds no test, is one failure."""
-    if not build(stage.preset, jobs, costs):
+    if not all(build(preset, jobs, costs) for preset in (stage.libraries, stage.preset) if preset):
         return {"build": "failed"}
     folder = SOURCE / "build" / stage.preset
-    results = costs.measure(name, "run programs", lambda: run_programs(stage, jobs, folder))
+    results = {}
+    if stage.programs:
+        results |= costs.measure(name, "run programs", lambda: run_programs(stage, jobs, folder))
     if stage.others:
         results |= costs.measure(name, "run others", lambda: run_ctest(stage, jobs, folder))
     return results
@@ -341,18 +347,18 @@ def emulate(jobs, costs):
     outcomes = {}
 
     def laws(emulator):
-        return run(*emulator, "build/release/tests/test_laws", f"--gtest_filter={EMULATED_LAWS}", "--gtest_brief=1",
+        return run(*emulator, LAWS, f"--gtest_filter={EMULATED_LAWS}", "--gtest_brief=1",
                    environment={"AXODE_RANDOM_TREES": "1"})
 
     def chooses(emulator, instructions):
         version = subprocess.run([*emulator, "build/release/axode", "--version"], cwd=SOURCE, capture_output=True, text=True)
         return instructions in version.stdout.split()
 
-    if build("release", jobs, costs, ["--target", "axode_command", "test_laws"]):
+    if build("release", jobs, costs) and build("tests", jobs, costs, ["--target", "test_laws"]):
         for processor, instructions in PROCESSORS.items():
             emulator = ["qemu-x86_64", "-cpu", processor]
             outcomes[processor] = costs.measure("emulated", processor, lambda: chooses(emulator, instructions) and laws(
-                emulator) and not renamed(EMULATED_LAWS, ["build/release/tests/test_laws"]))
+                emulator) and not renamed(EMULATED_LAWS, [LAWS]))
     return {name: "passed" if outcomes.get(name) else "failed" for name in PROCESSORS}
 
 
@@ -400,6 +406,7 @@ def main():
         runs["asan"] = lambda: test("asan", ASAN, jobs, costs)
         runs["environments"] = lambda: costs.measure("environments", "install", wait)
         runs["release"] = lambda: test("release", RELEASE, jobs, costs)
+        runs["tests"] = lambda: test("tests", TESTS, jobs, costs)
         runs["style"] = lambda: check_style(jobs, costs)
         runs["python"] = lambda: test_python(jobs, costs)  # with the libraries of release
     for name in sorted(bridges):
