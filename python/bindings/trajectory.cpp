@@ -59,7 +59,7 @@ Array energies(const BoundTrajectory& of) {
 }
 
 /// The points of contact at each time, as a list of lists.
-nb::list contacts_of(const BoundTrajectory& of) {
+nb::list contacts_by_time(const BoundTrajectory& of) {
   const Trajectory& shown = of.shown();
   nb::list all;
   for (std::size_t k = 0; k < shown.size(); ++k)
@@ -217,7 +217,7 @@ Motions for drives to follow are made by `from_samples`, `from_functions` and th
       .def_prop_ro(
           "certificates", [](const BoundTrajectory& x) { return to_array(x.motion.certificates); },
           "How exactly the laws of contact hold in each step, 1e-12 being rounding; empty without contact.")
-      .def_prop_ro("contacts", &contacts_of,
+      .def_prop_ro("contacts", &contacts_by_time,
                    nb::sig("def contacts(self) -> list[list[axode.records.ContactForce]]"),
                    R"(
 The points of contact at each time, N lists of `ContactForce`: those with a gap below the margin, and those that pressed in
