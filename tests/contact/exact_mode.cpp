@@ -192,6 +192,31 @@ TEST(ExactContact, ABoxTipsWhereTheForceExceedsItsWeight) {
   const std::vector<double> opens = times_of(motion, Kind::open);
   ASSERT_EQ(opens.size(), 2u);
   for (const double t : opens) EXPECT_NEAR(t, g / growth, time_tolerance);
+  // Motions end a moment later, before the gaps are larger than rounding errors of places.
+  for (double moment = 1e-6; moment > 1e-13; moment /= 10) {
+    const Trajectory brief =
+        simulate_contact_exact(model, at({0, 0, half}), std::vector<double>(6), g / growth + moment, tight,
+                               driven(3, [&](double t) { return growth * t; }));
+    ASSERT_TRUE(brief.complete) << brief.stop_reason;
+    for (const double certificate : brief.certificates) EXPECT_LE(certificate, 1e-8);
+    EXPECT_LE(times_of(brief, Kind::open).size(), 2u);
+  }
+}
+
+/// Places of large bodies have larger rounding errors.
+TEST(ExactContact, BoxesOfKilometresMoveToTheEnd) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random<double> random(seed);
+    const double half = 1e4;
+    const Model model = Scene({.friction = 0.5}).add("box", ShapeKind::box, half, {.friction = 0.5}).build();
+    std::vector<double> q = at({0, 0, 2 * half});
+    q = integrate(model, q, std::vector<double>{random.number(-2, 2), random.number(-2, 2), 1, 0, 0, 0});
+    const Trajectory motion =
+        simulate_contact_exact(model, q, std::vector<double>(6), 200, {.relative = 1e-7, .absolute = 1e-7});
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_FALSE(motion.contact_events.empty());
+  }
 }
 
 /// A square table that reaches from x[0] to x[1] and as far along y. Its top is at z = 0.

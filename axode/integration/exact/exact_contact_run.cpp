@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "axode/eigen.hpp"
+#include "axode/scalar/text.hpp"
 
 namespace axode {
 namespace {
@@ -25,6 +26,10 @@ constexpr double unresolved_part = 0.1;
 constexpr double slow = 2;
 
 bool is_negative(double x) { return x < 0; }
+
+bool is_as_before(const ClosedConstraint& a, const ClosedConstraint& b) {
+  return a.same_as(b) && a.branch == b.branch;
+}
 
 }  // namespace
 
@@ -231,7 +236,14 @@ Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& 
   std::vector<ClosedConstraint> next;
   if (std::none_of(found.begin() + 1, found.end(), is_negative)) {
     if (Failure failure = look_ahead(t_1, t_far, reserve_far, attempt, next)) return failure;
-    if (Failure failure = attempt(t_1, end)) return failure;
+    // If the step is too short to decide what changes, the phase lasts until its end.
+    constexpr double undecided = 1e-8;  // part of a force
+    const bool changes = reserve_far < -undecided || !std::ranges::equal(next, phase_.closed, is_as_before);
+    if (Failure failure = attempt(changes ? t_1 : t_far, end)) return failure;
+    if (!changes) {
+      if (Failure failure = accept(t_far, end)) return failure;
+      return done() ? Failure{} : settle(t_far);
+    }
   }
   constexpr double quick = 1e-11;
   constexpr int most_quick = 100;
@@ -334,6 +346,10 @@ Failure ExactContactRun::accept(double t, StepEnd& end) {
   end.dx = as_eigen(drives_.rates());
   static_cast<void>(phase_.reserve());
   if (phase_.any()) certificate_ = std::max(certificate_, phase_.certificate());
+  constexpr double lawless = 1e-3;
+  if (certificate_ > lawless)
+    return {t, "no forces were found that obey the laws of contact (certificate " + to_text(certificate_) +
+                   "); use the method contact or contact_adaptive"};
   Failure failure = record(t, {.q = end.q, .v = end.v, .a = end.a, .x = end.x, .dx = end.dx});
   if (const double t_end = trajectory.t().back(); t_end < t) {  // a terminal event of the caller
     const std::size_t k = trajectory.size() - 1;

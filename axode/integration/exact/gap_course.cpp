@@ -29,10 +29,11 @@ GapClosure closure_of(const Gap& start, const Gap& end, double h, double resolut
   constexpr double never = std::numeric_limits<double>::infinity(), small = 1e-9;
   constexpr int samples = 48;
   const Coefficients c = course(start, end, h);
+  const bool opens = start.g <= resolution;
   double largest = 0;
   for (const double x : c) largest = std::max(largest, std::abs(x));
   std::size_t first = 0;  // the lowest power that is not a rounding error
-  if (start.g <= resolution) {
+  if (opens) {
     first = 1;
     while (first < 3 && std::abs(c[first]) <= small * largest) ++first;
   }
@@ -41,15 +42,18 @@ GapClosure closure_of(const Gap& start, const Gap& end, double h, double resolut
     for (std::size_t k = c.size(); k-- > first;) sum = sum * s + c[k];
     return sum;
   };
-  double before = 0, last = value(0), last_but_one = last;
+  // A gap that opens counts as closed only after it has been positive beyond rounding, or if it is negative
+  // beyond rounding.
+  double before = 0, last = value(0), last_but_one = last, least = opens ? -resolution : 0;
   for (int k = 1; k <= samples; ++k) {
     const double s = static_cast<double>(k) / samples, here = value(s);
-    if (here < 0) return {before, s};
+    if (here < least) return {before, s};
+    if (here > resolution) least = 0;
     // The least value between samples, by the parabola through three of them.
     const double bend = last_but_one - 2 * last + here;
     if (k > 1 && bend > 0 && last < last_but_one && last <= here) {
       const double at = s - (1 + 0.5 * (here - last_but_one) / bend) / samples;
-      if (value(at) < 0) return {before - 1.0 / samples, at};
+      if (value(at) < least) return {before - 1.0 / samples, at};
     }
     last_but_one = last;
     last = here;
