@@ -12,7 +12,8 @@ struct GapClosure {
 /// Finds when a gap first becomes negative in a step of length h (s). The gap is taken as the polynomial in
 /// time that has its values and rates at both ends of the step. If the gap is at most `resolution` at the
 /// start, its value there counts as 0: a gap that then opens, after a bounce or because its contact has just
-/// opened, closes only after it has been positive (D11.33).
+/// opened, closes only after it has been larger than `resolution`, or where it is less than -`resolution`
+/// (D11.33).
 GapClosure closure_of(const Gap& start, const Gap& end, double h, double resolution);
 
 }  // namespace axode

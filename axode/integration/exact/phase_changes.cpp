@@ -186,9 +186,10 @@ std::string ContactPhase::project(Vector& q, Vector& v) {
       room[row] = system_.room()[unilateral + index(row - system_.first_loop_row())];
     double most = 0;
     for (const int row : rows) most = std::max(most, std::abs(room[row]));
-    constexpr double closed_places = 1e-16, lost = 1e5;  // times touching_
+    constexpr double closed_places = 1e-16, least_lost = 1e-6, roundings = 1e5;
     constexpr int passes = 3;
-    if (most > lost * touching_) return "closed contacts, stops or loops come apart; use smaller tolerances";
+    if (most > std::max(least_lost, roundings * touching_))
+      return "closed contacts, stops or loops come apart; use smaller tolerances";
     if (!(most > closed_places) || pass == passes) break;
     const Vector x = correction(rows, room);
     system_.push(x.data(), change.data());
