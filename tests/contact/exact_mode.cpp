@@ -186,17 +186,18 @@ TEST(ExactContact, ABoxSlipsWhereTheForceExceedsFriction) {
 TEST(ExactContact, ABoxTipsWhereTheForceExceedsItsWeight) {
   const double half = 0.1, growth = 10;
   const Model model = Scene({.friction = 2}).add("box", ShapeKind::box, half, {.friction = 2}).build();
-  const Trajectory motion = simulate_contact_exact(model, at({0, 0, half}), std::vector<double>(6), 1.1,
-                                                   tight, driven(3, [&](double t) { return growth * t; }));
+  const auto move = [&](double until) {
+    return simulate_contact_exact(model, at({0, 0, half}), std::vector<double>(6), until, tight,
+                                  driven(3, [&](double t) { return growth * t; }));
+  };
+  const Trajectory motion = move(1.1);
   expect_lawful(motion);
   const std::vector<double> opens = times_of(motion, Kind::open);
   ASSERT_EQ(opens.size(), 2u);
   for (const double t : opens) EXPECT_NEAR(t, g / growth, time_tolerance);
   // Motions end a moment later, before the gaps are larger than rounding errors of places.
   for (double moment = 1e-6; moment > 1e-13; moment /= 10) {
-    const Trajectory brief =
-        simulate_contact_exact(model, at({0, 0, half}), std::vector<double>(6), g / growth + moment, tight,
-                               driven(3, [&](double t) { return growth * t; }));
+    const Trajectory brief = move(g / growth + moment);
     ASSERT_TRUE(brief.complete) << brief.stop_reason;
     for (const double certificate : brief.certificates) EXPECT_LE(certificate, 1e-8);
     EXPECT_LE(times_of(brief, Kind::open).size(), 2u);

@@ -49,6 +49,9 @@ class ContactPhase {
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
 
+  /// The remedy in the messages of what this method cannot decide.
+  static constexpr const char* instead = "; use the method contact or contact_adaptive";
+
   /// `model` has the prescribed motions of the simulation as loop equations, see
   /// SimulationRun::closed_model().
   ContactPhase(const Model& model, ContactShapes shapes, bool dry_friction);
@@ -162,8 +165,6 @@ class ContactPhase {
   std::string start(const Vector& q, const Vector& v, double most, bool& impacts);
 
  private:
-  /// The remedy in the messages of what this method cannot decide.
-  static constexpr const char* instead = "; use the method contact or contact_adaptive";
   /// A margin (m) beyond all distances.
   static constexpr double everywhere = 1e6;
 

@@ -222,10 +222,11 @@ Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& 
       found = there;
     }
   }
-  if (!std::ranges::any_of(found, is_negative)) {
-    if (Failure failure = accept(t_1, end)) return failure;
-    return done() ? Failure{} : settle(t_1);
-  }
+  const auto go_on = [&](double t) {
+    if (Failure failure = accept(t, end)) return failure;
+    return done() ? Failure{} : settle(t);
+  };
+  if (!std::ranges::any_of(found, is_negative)) return go_on(t_1);
   const double t_far = t_1, reserve_far = found[0];
   if (Failure failure = find_event(t_1, end, found, marks, attempt)) return failure;
   // A step that is shortened for these reasons is repeated with its error estimate.
@@ -240,18 +241,15 @@ Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& 
     constexpr double undecided = 1e-8;  // part of a force
     const bool changes = reserve_far < -undecided || !std::ranges::equal(next, phase_.closed, is_as_before);
     if (Failure failure = attempt(changes ? t_1 : t_far, end)) return failure;
-    if (!changes) {
-      if (Failure failure = accept(t_far, end)) return failure;
-      return done() ? Failure{} : settle(t_far);
-    }
+    if (!changes) return go_on(t_far);
   }
   constexpr double quick = 1e-11;
   constexpr int most_quick = 100;
   quick_events_ = t_1 - last_event_ < quick * last_ ? quick_events_ + 1 : 0;
   last_event_ = t_1;
   if (quick_events_ > most_quick)
-    return {t_1, "contacts change more than " + std::to_string(most_quick) +
-                     " times at nearly one time; use the method contact or contact_adaptive"};
+    return {t_1, "contacts change more than " + std::to_string(most_quick) + " times at nearly one time" +
+                     ContactPhase::instead};
   const std::vector<char> stopped = stopping(t_1, found, marks);
   if (Failure failure = accept(t_1, end)) return failure;
   return done() ? Failure{} : change(t_1, found, stopped, next);
@@ -349,7 +347,7 @@ Failure ExactContactRun::accept(double t, StepEnd& end) {
   constexpr double lawless = 1e-3;
   if (certificate_ > lawless)
     return {t, "no forces were found that obey the laws of contact (certificate " + to_text(certificate_) +
-                   "); use the method contact or contact_adaptive"};
+                   ")" + ContactPhase::instead};
   Failure failure = record(t, {.q = end.q, .v = end.v, .a = end.a, .x = end.x, .dx = end.dx});
   if (const double t_end = trajectory.t().back(); t_end < t) {  // a terminal event of the caller
     const std::size_t k = trajectory.size() - 1;
