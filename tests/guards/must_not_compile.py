@@ -3,49 +3,63 @@
 
 A case stands in FILE between `#ifdef CASE  // expect: <part of the compiler's message>` and `#endif`; several parts, of
 which one must appear, are separated by ` or `. Without its cases FILE must compile, so that nothing but the forbidden
-expressions is to blame. The headers of FILE are compiled once, into a folder for temporary files.
+expressions is to blame. With all its cases each must have an error of its own, at its lines or required from them.
 """
 
 import os
 import re
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 
-def fault(case, expected, run):
-    """What is wrong with an attempt to compile a case, or nothing."""
-    if run.returncode == 0:
-        return f"compiles with {case}, but must not"
-    if not any(part in run.stderr for part in expected.split(" or ")):
-        return f"fails to compile with {case}, but without saying any of {expected.split(' or ')}:\n{run.stderr}"
+def errors(messages):
+    """The errors in the messages of a compiler, each with what it was required from before it and its notes after it."""
+    found, has_error = [""], False
+    for line in messages.splitlines(keepends=True):
+        is_error = " error: " in line
+        if has_error and (is_error or re.match(r"In file included from|\S+: In ", line)):
+            found.append("")
+            has_error = False
+        found[-1] += line
+        has_error |= is_error
+    return found
+
+
+def fault(name, case, expected, own):
+    """What is wrong with the errors of a case, or nothing."""
+    if not own:
+        return f"{name} compiles with {case}, but must not"
+    if not any(part in error for part in expected.split(" or ") for error in own):
+        return f"{name} fails to compile with {case}, but without saying any of {expected.split(' or ')}:\n{''.join(own)}"
     return None
 
 
 def main(file, *compiler):
-    text = Path(file).read_text(encoding="utf-8")
-    cases = re.findall(r"^#ifdef (\w+)  // expect: (.+)", text, re.MULTILINE)
-    if not cases or len(cases) != text.count("#ifdef"):
-        print(f"{file} has {text.count('#ifdef')} cases, of which {len(cases)} say what to expect")
+    lines = Path(file).read_text(encoding="utf-8").splitlines()
+    starts = [k for k, line in enumerate(lines, 1) if line.startswith("#ifdef")]
+    cases = [(*match.groups(), k) for k in starts if (match := re.match(r"#ifdef (\w+)  // expect: (.+)", lines[k - 1]))]
+    if not cases or len(cases) != len(starts):
+        print(f"{file} has {len(starts)} cases, of which {len(cases)} say what to expect")
         return 1
 
     def compiled(*words):
-        return subprocess.run([*compiler, *words], capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
+        return subprocess.run([*compiler, "-fsyntax-only", "-fmax-errors=0", *words, file], capture_output=True, text=True,
+                              env={**os.environ, "LC_ALL": "C"})
 
-    with tempfile.TemporaryDirectory() as folder:
-        headers = Path(folder, "headers.hpp")
-        headers.write_text("".join(re.findall(r"^#include .*\n", text, re.MULTILINE)))
-        run = compiled("-x", "c++-header", str(headers), "-o", f"{headers}.gch")  # which Clang finds as well
-        check = ["-include", str(headers), "-fsyntax-only", file]
-        if run.returncode == 0:
-            run = compiled(*check)
-        if run.returncode != 0:
-            print(f"{file} does not even compile without its cases:\n{run.stderr}")
-            return 1
-        faults = [fault(case, expected, compiled(f"-D{case}", *check)) for case, expected in cases]
-    for found in filter(None, faults):
-        print(f"{file} {found}")
+    run = compiled()
+    if run.returncode != 0:
+        print(f"{file} does not even compile without its cases:\n{run.stderr}")
+        return 1
+    found = errors(compiled(*(f"-D{case}" for case, *_ in cases)).stderr)
+    faults = []
+    for case, expected, start in cases:
+        end = lines.index("#endif", start)
+        own = [error for error in found
+               if any(start < int(line) <= end for line in re.findall(rf"^{re.escape(file)}:(\d+):", error, re.MULTILINE))]
+        faults.append(fault(file, case, expected, own))
+    for message in filter(None, faults):
+        print(message)
     return int(any(faults))
 
 
