@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "tests/support/comparison.hpp"
@@ -25,18 +24,6 @@ namespace axode::test {
 /// `INSTANTIATE_TEST_SUITE_P(Laws, Balances, testing::ValuesIn(cases()), name_of);` gives it its cases. Each
 /// TEST_P(Balances, ...) is a law.
 using Law = testing::TestWithParam<Case>;
-
-/// Calls law(seed) for the seeds 1, 2, ..., `count` until one fails. That one is repeated with fewer bodies,
-/// see smallest_failure(). The variable AXODE_RANDOM_TREES overrides `count`.
-template <class F> void for_seeds(int count, const F& law) {
-  if (const char* chosen = std::getenv("AXODE_RANDOM_TREES")) count = std::max(1, std::atoi(chosen));
-  for (int seed = 1; seed <= count && !testing::Test::HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    const auto repeat = [&] { law(static_cast<std::uint64_t>(seed)); };
-    repeat();
-    if (testing::Test::HasFailure()) ADD_FAILURE() << smallest_failure(repeat);
-  }
-}
 
 /// The recipe with the mechanism of a seed at another place or of another size: of every eight seeds two are
 /// as the recipe says, two are far from the origin, two a thousand times smaller, and two a thousand times

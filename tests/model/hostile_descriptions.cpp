@@ -7,6 +7,7 @@
 #include "axode/dynamics.hpp"
 #include "axode/model/kinds/shape_kinds.hpp"
 #include "tests/model/random_mechanism.hpp"
+#include "tests/support/smallest_failure.hpp"
 
 /// The builder turns every description, whatever it holds, into a consistent model or refuses it with at
 /// least one fault.
@@ -188,11 +189,11 @@ void expect_usable(const Model& model, Nonsense& nonsense) {
   EXPECT_EQ(ModelBuilder(model).build().n_bodies(), model.n_bodies());
 }
 
-/// Builds `count` random descriptions and returns how many of them were valid.
-int build_all(std::uint64_t first_seed, int count, double share_of_nonsense) {
-  int built = 0;
-  for (std::uint64_t seed = first_seed; seed < first_seed + static_cast<std::uint64_t>(count); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
+/// Builds random descriptions of `count` seeds, and returns the share of them that was valid.
+double build_all(int count, double share_of_nonsense) {
+  int built = 0, tried = 0;
+  for_seeds(count, [&](std::uint64_t seed) {
+    ++tried;
     Nonsense nonsense(seed, share_of_nonsense);
     const Description description = nonsense.description();
     const Strictness strictness = nonsense.whole(0, 1) ? Strictness::strict : Strictness::lenient;
@@ -220,22 +221,21 @@ int build_all(std::uint64_t first_seed, int count, double share_of_nonsense) {
     } catch (const ModelError& error) {
       EXPECT_EQ(error.faults().size(), 1u);
     }
-    if (testing::Test::HasFailure()) break;
-  }
-  return built;
+  });
+  return built / static_cast<double>(tried);
 }
 
-TEST(HostileDescriptions, SoundOnesAreBuilt) { EXPECT_EQ(build_all(1, 500, 0.0), 500); }
+TEST(HostileDescriptions, SoundOnesAreBuilt) { EXPECT_EQ(build_all(200, 0.0), 1); }
 
 TEST(HostileDescriptions, OnesWithAGrainOfNonsenseAreBuiltOrRefused) {
-  const int built = build_all(100'000, 6000, 0.01);
-  EXPECT_GT(built, 1000) << "many are only odd";
-  EXPECT_LT(built, 5000) << "many are wrong";
+  const double built = build_all(2000, 0.01);
+  EXPECT_GT(built, 0.2) << "many are only odd";
+  EXPECT_LT(built, 0.8) << "many are wrong";
 }
 
-TEST(HostileDescriptions, OnesWithMuchNonsenseAreBuiltOrRefused) { build_all(200'000, 6000, 0.05); }
+TEST(HostileDescriptions, OnesWithMuchNonsenseAreBuiltOrRefused) { build_all(2000, 0.05); }
 
-TEST(HostileDescriptions, PureNonsenseIsRefused) { build_all(300'000, 4000, 0.5); }
+TEST(HostileDescriptions, PureNonsenseIsRefused) { build_all(1500, 0.5); }
 
 /// Names and predecessors are drawn from three letters, which makes cycles, duplicate names and missing
 /// predecessors of every shape.
