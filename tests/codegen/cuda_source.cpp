@@ -79,13 +79,12 @@ TEST_P(GeneratedCuda, GivesWhatTheLibraryGives) {
                                         {Id("inverse_dynamics_derivatives")},
                                         {Id("forward_dynamics")}};
   constexpr std::size_t states = 5;
-  constexpr std::uint64_t models = 20;
+  constexpr std::uint64_t models = 10;
   std::vector<std::unique_ptr<Trial>> trials;
   std::vector<codegen::Source> sources;
   std::string text = shim;
   for (std::uint64_t seed = 1; seed <= models; ++seed) {
-    trials.emplace_back(
-        new Trial(fastest, Random<double>(seed), TreeRecipe{.most_bodies = 12, .springs = 0}));
+    trials.emplace_back(new Trial(fastest, seed, TreeRecipe{.most_bodies = 12, .springs = 0}));
     sources.push_back(codegen::c_source(trials.back()->model, functions,
                                         {"tree" + std::to_string(seed), fastest.single, codegen::Abi::cuda}));
     std::string& source = sources.back().text;
@@ -142,7 +141,7 @@ TEST_P(GeneratedCuda, GivesWhatTheLibraryGives) {
                 trial.call("inverse_dynamics", {.q = asks[s].q, .v = asks[s].v, .a = found[s]}), asks[s].tau);
     }
   }
-  EXPECT_GE(solvable, 30);
+  EXPECT_GE(solvable, 15);
   EXPECT_GE(doubted, 1);
 }
 

@@ -43,7 +43,7 @@ struct MovingTree {
   std::vector<S> q;
 
   MovingTree(const Case& c, std::uint64_t seed)
-      : trial(c, Random<double>(seed), trees_with_mass),
+      : trial(c, seed, trees_with_mass),
         tree(on<S>(trial.model)),
         q(moving<2>(tree, trial.state.q, trial.state.v, trial.zero())) {}
   int nv() const { return trial.model.nv(); }

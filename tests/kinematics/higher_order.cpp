@@ -177,7 +177,7 @@ TEST_P(HigherOrder, TwistsFollowFromJacobiansByTheProductRule) {
 TEST_P(HigherOrder, OrdersZeroAndOneAreTheTwistTheJacobianAndTheAcceleration) {
   Comparison V("V", agreement<double>), dV("dV", agreement<double>), J("J", agreement<double>);
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), small_trees);
+    Trial trial(GetParam(), seed, small_trees);
     const Model& model = trial.model;
     HigherOrderMotion<> motion(model, 0), next(model, 1);
     motion.evaluate(trial.state.q, trial.state.v);

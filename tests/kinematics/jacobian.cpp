@@ -25,7 +25,7 @@ Six times(const std::vector<Six>& J, const std::vector<double>& v) {
 TEST_P(Jacobian, TimesTheVelocitiesIsTheTwistOfEveryFrame) {
   Comparison twist("twist", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), large_trees);
+    Trial trial(GetParam(), seed, large_trees);
     std::vector<Six> V;
     for (int f = 0; f < trial.model.n_frames(); ++f) V.push_back(times(jacobian_of(trial, f), trial.state.v));
     twist.expect_equal(V, trial.twists());
@@ -59,7 +59,7 @@ template <class Rep, class T> std::vector<SumOfColumns> sums_of_columns(const Tr
 TEST_P(Jacobian, IsTheSumOfItsColumnsAlongThePath) {
   Comparison column("column", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), large_trees);
+    Trial trial(GetParam(), seed, large_trees);
     const Model& model = trial.model;
     const std::vector<SumOfColumns> sums = with_representation(in, [&](auto rep) {
       using Rep = decltype(rep);
@@ -139,7 +139,7 @@ TEST_P(Jacobian, OfAPoseInAFrameIsThatOfAFrameThere) {
 TEST_P(Jacobian, ChangesItsRepresentationLikeTwists) {
   Comparison column("column", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), large_trees);
+    Trial trial(GetParam(), seed, large_trees);
     const int frame = trial.model.n_frames() - 1;
     const SE3<> C = trial.poses().back();
     for (const Representation other : representations) {
@@ -183,7 +183,7 @@ TEST_P(Jacobian, OfOnePlaceRelativeToAnotherIsThatOfTheRelativePose) {
 TEST_P(Jacobian, RelativeToTheGroundIsTheJacobianAndRelativeToItselfIsZero) {
   Comparison to_ground("ground", GetParam().agreement()), to_itself("itself", GetParam().agreement());
   for_seeds(50, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), large_trees);
+    Trial trial(GetParam(), seed, large_trees);
     const int frame = trial.model.n_frames() - 1;
     const std::vector<Six> J = jacobian_of(trial, frame);
     to_ground.expect_equal(relative_jacobian_of(trial, frame, 0), J);
@@ -197,7 +197,7 @@ INSTANTIATE_TEST_SUITE_P(Kinematics, JointScrews, testing::ValuesIn(scalars()), 
 TEST_P(JointScrews, SumUpAlongEveryPathToTheSpatialTwist) {
   Comparison twist("twist", GetParam().agreement());
   for_seeds(200, [&](std::uint64_t seed) {
-    Trial trial(in(Representation::spatial, GetParam()), Random<double>(seed), large_trees);
+    Trial trial(in(Representation::spatial, GetParam()), seed, large_trees);
     const Model& model = trial.model;
     const std::vector<Six> J = sixes_of(trial.call("joint_screws"));
     std::vector<Six> V(trial.n_bodies() + 1);
@@ -220,7 +220,7 @@ TEST_P(JointScrews, SumUpAlongEveryPathToTheSpatialTwist) {
 TEST_P(JointScrews, AreTheReferenceScrewsCarriedByTheirBodies) {
   Comparison screw_of("screw", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), large_trees);
+    Trial trial(GetParam(), seed, large_trees);
     const std::vector<SE3<>> C = trial.poses();
     std::vector<Six> expected;
     for (int i = 1; i <= trial.model.n_bodies(); ++i)

@@ -157,7 +157,7 @@ TEST(JacobianPartials, OfFirstOrderAreThoseOfDuals) {
 
 TEST(JacobianPartials, OfSecondOrderAreThoseOfNestedDuals) {
   Comparison partial("partial", agreement<double>);
-  for_seeds(500, [&](std::uint64_t seed) {
+  for_seeds(200, [&](std::uint64_t seed) {
     Sample sample(seed, 6);
     expect_partials_of_nested_duals<2>(sample, partial);
   });

@@ -39,7 +39,7 @@ VectorXd joint_accelerations_in(Representation in, const Model& model, const std
                              [&](auto rep) { return joint_accelerations<decltype(rep)>(model, q, V, dV); });
 }
 
-Trial random_trial(const Case& c, std::uint64_t seed) { return {c, Random<double>(seed), medium_trees}; }
+Trial random_trial(const Case& c, std::uint64_t seed) { return {c, seed, medium_trees}; }
 
 /// Quantities of the bodies 1..n, one below the other.
 VectorXd stacked(const Model& model, const std::vector<Six>& frames) {

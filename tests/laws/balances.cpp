@@ -19,7 +19,7 @@ TEST_P(Balances, DrivesAndLoadsFeedTheEnergyAndLossesTakeIt) {
   Comparison power("power", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
     const bool losses = seed % 2 == 0;
-    Trial trial(GetParam(), Random<double>(seed), {.friction = losses});
+    Trial trial(GetParam(), seed, {.friction = losses});
     const Tree<double>& tree = trial.model.tree<double>();
     const Trial::Numbers& v = trial.state.v;
     const std::vector<double> tau =
@@ -56,7 +56,7 @@ Six weight(const Vec3<>& g, const SE3<>& C, const Inertia<>& M) {
 TEST_P(Balances, RootJointsWeightAndLoadsChangeTheMomentum) {
   Comparison wrench("wrench", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> W = trial.joint_wrenches(), loads = loads_on_bodies(trial, C);
     Six sum{};
@@ -84,7 +84,7 @@ Six resultant(Representation representation, const SE3<>& C, const Inertia<>& M,
 TEST_P(Balances, WrenchesOnEveryBodyAccelerateIt) {
   Comparison balance("balance", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> V = trial.twists(), dV = trial.accelerations(), W = trial.joint_wrenches();
     std::vector<Six> acting = loads_on_bodies(trial, C), accelerating(acting.size());
@@ -105,7 +105,7 @@ TEST_P(Balances, WrenchesOnEveryBodyAccelerateIt) {
 TEST_P(Balances, DriveForcesAreTheSharesOfJointWrenchesAlongTheJoints) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> W = trial.joint_wrenches();
     std::vector<double> tau = trial.zero();

@@ -72,7 +72,7 @@ TEST_P(Derivatives, OfInverseDynamicsAreLimitsOfDifferences) {
   Comparison direction("derivative", GetParam().single ? 1e-3 : 1e-8);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     if (trial.model.nv() == 0) return;
     Trial exact = trial.by(in_double(GetParam()));
     const Ask ask = any(trial, random);
@@ -111,7 +111,7 @@ TEST_P(DerivativesInDouble, OfInverseDynamicsAreThoseOfDualNumbers) {
   Comparison direction("derivative", 1e-12);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     const Ask ask = any(trial, random);
     OnDualNumbers on(trial, ask);
     on.dynamics.inverse_dynamics(on.q, on.v, dual(ask.a, ask.da), on.result, {on.wrenches, true});
@@ -124,7 +124,7 @@ TEST_P(DerivativesInDouble, OfForwardDynamicsAreThoseOfDualNumbers) {
   Comparison direction("derivative", 1e-8);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 12, .always_mass = true});
+    Trial trial(GetParam(), seed, {.most_bodies = 12, .always_mass = true});
     const Ask ask = any(trial, random);
     const auto [expected, solvability] = trial.answer("forward_dynamics_jvp", ask);
     OnDualNumbers on(trial, ask);
@@ -141,7 +141,7 @@ TEST_P(DerivativesInDouble, OfTheMassMatrixAreThoseOfDualNumbers) {
   Comparison direction("derivative", 1e-12);
   for_seeds(50, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 12});
+    Trial trial(GetParam(), seed, {.most_bodies = 12});
     const Ask ask = any(trial, random);
     OnDualNumbers on(trial, ask);
     std::vector<D> M(on.v.size() * on.v.size());
@@ -156,7 +156,7 @@ TEST_P(DerivativesInDouble, OfTheMassMatrixAreThoseOfDualNumbers) {
 
 TEST(GenericDynamicsOfDualNumbers, RefuseWrongSizesAndFrames) {
   Random<double> random;
-  Trial trial(scalars()[0], Random<double>(1));
+  Trial trial(scalars()[0], 1);
   GenericDynamics<D> dynamics(trial.model);
   const std::vector<D> q(trial.state.q.size()), v(trial.state.v.size());
   std::vector<D> tau(v.size()), more(v.size() + 1);
@@ -173,7 +173,7 @@ TEST_P(Derivatives, ProductsAreMatricesTimesVectors) {
   Comparison jvp("jvp", agreement), vjp("vjp", agreement), mass("mass matrix", agreement);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     const Ask ask = any(trial, random);
     const Numbers all = trial.call("inverse_dynamics_derivatives", ask);
     const MatrixXd dq = part(trial, all, 0), dv = part(trial, all, 1), da = part(trial, all, 2);
@@ -196,7 +196,7 @@ TEST_P(DerivativesInDouble, OfForwardDynamicsSolveThoseOfInverseDynamics) {
   Comparison residual("residual", 1e-9), jvp("jvp", 1e-9), vjp("vjp", 1e-9);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    Trial trial(GetParam(), seed, {.always_mass = true});
     if (trial.model.nv() == 0) return;
     Ask ask = any(trial, random);
     const Answer accelerations = trial.answer("forward_dynamics", ask);
@@ -245,7 +245,7 @@ TEST_P(Derivatives, HessianOfInverseDynamicsIsTheDerivativeOfTheGradient) {
   Comparison second("second derivatives", GetParam().single ? 1e-3 : 1e-8);
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 12});
+    Trial trial(GetParam(), seed, {.most_bodies = 12});
     Trial exact = trial.by(in_double(GetParam()));
     if (trial.model.nv() == 0) return;
     const Ask ask = any(trial, random);
@@ -267,7 +267,7 @@ TEST_P(DerivativesInDouble, HessianOfForwardDynamicsIsTheDerivativeOfTheGradient
   Comparison second("second derivatives", 1e-6);
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 8, .always_mass = true});
+    Trial trial(GetParam(), seed, {.most_bodies = 8, .always_mass = true});
     if (trial.model.nv() == 0) return;
     const Ask ask = any(trial, random);
     const auto gradient = [&](std::size_t k) {
@@ -289,7 +289,7 @@ TEST_P(DerivativesInDouble, InTimeAreThoseAlongTheMotion) {
   Comparison force("force", 1e-11), rate("rate", 1e-11);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     Ask ask = any(trial, random);
     const std::size_t nv = ask.v.size();
     Numbers motion(ask.v);
@@ -312,7 +312,7 @@ TEST_P(DerivativesInDouble, OfTheSecondOrderRecursionsAreThoseOfPowerSeries) {
       mixed("mixed", 1e-11);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    const Trial trial(GetParam(), Random<double>(seed));
+    const Trial trial(GetParam(), seed);
     const Ask ask = any(trial, random);
     Workspace<> workspace(trial.model);
     Numbers motion(ask.v);
@@ -336,7 +336,7 @@ TEST_P(DerivativesInDouble, OfTheMomentumFormAreLimitsOfDifferences) {
   Comparison by_q("by q", 1e-7), by_p("by p", 1e-7);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    Trial trial(GetParam(), seed, {.always_mass = true});
     if (trial.model.nv() == 0) return;
     Ask ask = any(trial, random);
     ask.p = trial.call("momenta", ask);
@@ -377,7 +377,7 @@ TEST_P(DerivativesInDouble, OfTheMomentumFormAreHamiltonian) {
   int checked = 0;
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    Trial trial(GetParam(), seed, {.always_mass = true});
     const Topology& topology = trial.model.topology();
     for (int i = 1; i <= topology.n; ++i)
       if (topology.first_screw[i + 1] - topology.first_screw[i] > 1)
@@ -401,7 +401,7 @@ TEST_P(Derivatives, OfMotionAreMatricesTimesVectors) {
   Comparison forward("jvp", agreement), backward("vjp", agreement);
   for_seeds(200, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     const Ask ask = any(trial, random);
     const int frame = static_cast<int>(seed % static_cast<std::uint64_t>(trial.model.n_frames()));
     const auto check = [&]<class Rep>(Rep) {
@@ -455,7 +455,7 @@ TEST_P(Derivatives, SecondOnesOfEveryComponentAreHessians) {
   Comparison second("second derivatives", agreement);
   for_seeds(30, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 12});
+    Trial trial(GetParam(), seed, {.most_bodies = 12});
     Ask ask = any(trial, random);
     ask.loads = {};
     const Eigen::Index nv = trial.model.nv();

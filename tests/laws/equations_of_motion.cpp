@@ -14,7 +14,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, EquationsOfMotion, testing::ValuesIn(cases()), na
 TEST_P(EquationsOfMotion, MassMatrixIsTheDerivativeOfInverseDynamics) {
   Comparison torque("M a", GetParam().agreement());
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     const std::vector<double> with = trial.inverse_dynamics(trial.state.v, trial.state.a, {}),
                               without = trial.inverse_dynamics(trial.state.v, trial.zero(), {});
     torque.expect_equal(product(trial.mass_matrix(), vector(trial.state.a)),
@@ -25,7 +25,7 @@ TEST_P(EquationsOfMotion, MassMatrixIsTheDerivativeOfInverseDynamics) {
 TEST_P(EquationsOfMotion, AreTheSumOfTheirTerms) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     Ask ask = trial.ask();
     ask.loads.joint_losses = seed % 2 == 0;
     const std::vector<double> Cv = trial.call("coriolis_vector", ask), g = trial.call("gravity_torques", ask),
@@ -60,7 +60,7 @@ ByFactors by_factors(const Model& model, const std::vector<double>& M, const Vec
 TEST_P(EquationsOfMotion, InverseMassMatrixIsTheInverse) {
   Comparison inverse("M⁻¹ M x", GetParam().agreement()), sparse("M x by factors", GetParam().agreement());
   for_seeds(300, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    Trial trial(GetParam(), seed, {.always_mass = true});
     const auto [entries_of_inverse, solvability] = trial.answer("inverse_mass_matrix", trial.ask());
     if (!solvability.ok()) return;
     const MatrixXd M_inverse = matrix(trial.model.nv(), entries_of_inverse), M = trial.mass_matrix();
@@ -79,7 +79,7 @@ TEST_P(EquationsOfMotion, AFrameAnswersAnImpulse) {
   const double agreement = GetParam().agreement();
   Comparison response("M Y", agreement), symmetry("mobility", agreement), unit("Λ Λ⁻¹ W", agreement);
   for_seeds(200, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    Trial trial(GetParam(), seed, {.always_mass = true});
     Ask ask = trial.ask();
     ask.place = {trial.model.n_frames() - 1, Vec3<>{0.1, -0.2, 0.05}};
     const auto [columns_of_Y, solvability] = trial.answer("impulse_response", ask);
@@ -106,7 +106,7 @@ TEST_P(EquationsOfMotion, AFrameAnswersAnImpulse) {
 TEST_P(EquationsOfMotion, GravityIsTheGradientOfThePotentialEnergy) {
   Comparison work("g v", 1e-7);  // differences of the energy, computed in double
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(in_double(GetParam()), Random<double>(seed), {.most_bodies = 20});
+    Trial trial(in_double(GetParam()), seed, {.most_bodies = 20});
     const double h = 1e-5;
     const auto energy = [&](double s) {
       std::vector<double> step = trial.state.v;
@@ -150,7 +150,7 @@ MatrixXd mass_matrix_rate(Trial& t) {
 TEST_F(ClosedForms, PartialsOfTheMassMatrixAreItsDerivatives) {
   Comparison dM("dM", 1e-7);  // central differences
   for_seeds(200, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), {.most_bodies = 20});
+    Trial trial(how, seed, {.most_bodies = 20});
     const double h = 1e-5;
     const auto moved = [&](double s) {
       std::vector<double> step = trial.state.v;
@@ -166,7 +166,7 @@ TEST_F(ClosedForms, PartialsOfTheMassMatrixAreItsDerivatives) {
 TEST_F(ClosedForms, CoriolisMatricesMakeTheCoriolisVector) {
   Comparison forces("C v", 1e-11), closed("C in closed form", 1e-11);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), {.most_bodies = 30});
+    Trial trial(how, seed, {.most_bodies = 30});
     const VectorXd Cv = vector(trial.call("coriolis_vector"));
     const double v_largest = largest(trial.state.v), size = size_of_C(trial);
     for (const CoriolisForm form :
@@ -183,7 +183,7 @@ TEST_F(ClosedForms, MassMatrixRateMinusTwiceCIsSkewWhereItIsClaimed) {
   Comparison skew("M' - 2C", 1e-11);
   int not_skew = 0, trees = 0;
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), {.most_bodies = 30});
+    Trial trial(how, seed, {.most_bodies = 30});
     const MatrixXd dM = mass_matrix_rate(trial);
     const auto symmetric_part = [&](CoriolisForm form) {
       const MatrixXd difference = dM - 2 * coriolis_matrix(trial, form);
@@ -202,7 +202,7 @@ TEST_F(ClosedForms, MassMatrixRateMinusTwiceCIsSkewWhereItIsClaimed) {
 TEST_F(ClosedForms, ChristoffelSymbolsAreTheMetricConnection) {
   Comparison metric("∂_k M_ij", 1e-11), contracted("C", 1e-11);
   for_seeds(300, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), {.most_bodies = 15});
+    Trial trial(how, seed, {.most_bodies = 15});
     const std::size_t n = trial.state.v.size();
     const std::vector<double> Gamma = trial.call("christoffel"), dM = trial.call("mass_matrix_partials");
     std::vector<double> sum;
@@ -229,7 +229,7 @@ TEST_F(ClosedForms, ChristoffelSymbolsAreTheMetricConnection) {
 TEST_F(ClosedForms, AgreeWithTheRecursions) {
   Comparison torque("torque", 1e-11), mass("M", 1e-11);
   for_seeds(300, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), {.most_bodies = 30});
+    Trial trial(how, seed, {.most_bodies = 30});
     Loads<double> loads = trial.state.loads();
     loads.joint_losses = seed % 2 == 0;
     const std::vector<double>&q = trial.state.q, &v = trial.state.v, &a = trial.state.a;

@@ -18,7 +18,7 @@ TEST_P(ForwardDynamics, UndoesInverseDynamics) {
     const bool loops = !GetParam().single && seed % 20 == 1;
     TreeRecipe recipe = elsewhere(seed, {.friction = seed % 2 == 0, .loops = loops ? 1.0 : 0.0});
     if (recipe.far > 0) recipe.far = GetParam().single ? 0 : 5e3;
-    Trial trial(GetParam(), Random<double>(seed), recipe);
+    Trial trial(GetParam(), seed, recipe);
     Ask ask = trial.ask();
     ask.loads.joint_losses =
         seed % 2 == 0 && !loops;  // no drive can make up for the losses of passive joints

@@ -45,7 +45,7 @@ struct Displaced {
   Trial trial;
   Ask ask;
   explicit Displaced(const Case& c, std::uint64_t seed)
-      : random(seed), trial(c, Random<double>(seed), {.most_bodies = 12}), ask(trial.ask()) {
+      : random(seed), trial(c, seed, {.most_bodies = 12}), ask(trial.ask()) {
     ask.tau = random_numbers(random, trial.model.nv());
     ask.w = random_numbers(random, trial.model.nv());
     ask.place = static_cast<int>(random.number(0, trial.model.n_frames()));

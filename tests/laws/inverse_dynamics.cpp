@@ -16,7 +16,7 @@ TEST_P(InverseDynamics, AgreesWithTheOtherRepresentations) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(2000, [&](std::uint64_t seed) {
     const TreeRecipe recipe = elsewhere(seed);
-    Trial trial(GetParam(), Random<double>(seed), recipe);
+    Trial trial(GetParam(), seed, recipe);
     const std::vector<double> tau = trial.inverse_dynamics();
     for (const Case& other : cases())
       if (other.single == trial.how.single && other.name != trial.how.name)
@@ -45,7 +45,7 @@ TEST_P(InverseDynamics, MassMatrixIsSymmetricAndNotNegative) {
     TreeRecipe recipe =
         elsewhere(seed, {.couplings = !every_body_has_mass, .always_mass = every_body_has_mass});
     recipe.far = 0;  // the rounding of the inertia about a distant origin would hide that of the bodies
-    Trial with_gravity(GetParam(), Random<double>(seed), recipe);
+    Trial with_gravity(GetParam(), seed, recipe);
     if (with_gravity.model.nv() == 0) return;
     // Without gravity, whose forces would hide those of M in their rounding.
     Trial trial(GetParam(), ModelBuilder(with_gravity.model).gravity({}).build(), with_gravity.state);
@@ -62,7 +62,7 @@ TEST_P(InverseDynamics, VelocityTermsAreQuadratic) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
     const TreeRecipe recipe = elsewhere(seed);
-    Trial trial(GetParam(), Random<double>(seed), recipe);
+    Trial trial(GetParam(), seed, recipe);
     const VectorXd rest = vector(trial.inverse_dynamics(trial.zero(), trial.zero(), {}));
     const auto velocity_terms = [&](double scale) {
       const std::vector<double> v = numbers(scale * vector(trial.state.v));
@@ -104,7 +104,7 @@ TEST_P(InverseDynamics, LoadsActThroughTheTransposedJacobian) {
 TEST_P(InverseDynamics, DampingAndFrictionResistOnlyWhenAsked) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
+    Trial trial(GetParam(), seed, elsewhere(seed));
     if (seed % 3 == 0 && !trial.state.v.empty()) trial.state.v[0] = 0;
     const std::vector<double> without = trial.inverse_dynamics(trial.state.v, trial.state.a, {});
     const std::vector<double> with =

@@ -15,7 +15,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, Kinematics, testing::ValuesIn(cases()), name_of);
 TEST_P(Kinematics, TwistsAreTheRatesOfPoses) {
   Comparison rate("rate", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
+    Trial trial(GetParam(), seed, elsewhere(seed));
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> V = trial.twists();
     std::vector<Vec3<>> dC;  // the columns of C V^b, with V^b as a matrix
@@ -32,7 +32,7 @@ TEST_P(Kinematics, TwistsAreTheRatesOfPoses) {
 TEST_P(Kinematics, AccelerationsAreTheRatesOfTwists) {
   Comparison rate("rate", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
+    Trial trial(GetParam(), seed, elsewhere(seed));
     rate.expect_equal(trial.accelerations(),
                       rates_of_twists(GetParam().representation, trial.model, trial.state));
   });
@@ -41,7 +41,7 @@ TEST_P(Kinematics, AccelerationsAreTheRatesOfTwists) {
 TEST_P(Kinematics, TwistsAndAccelerationsChangeRepresentation) {
   Comparison twist("twist", GetParam().agreement()), acceleration("acceleration", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
+    Trial trial(GetParam(), seed, elsewhere(seed));
     const Representation from = GetParam().representation;
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> V = trial.twists(), dV = trial.accelerations();
@@ -77,7 +77,7 @@ template <class T> std::array<std::vector<SE3<>>, 2> by_screws(const Trial& tria
 TEST_P(Poses, AreProductsOfExponentialsOfBodyAndOfSpatialScrews) {
   Comparison by_X("X", GetParam().agreement()), by_Y("Y", GetParam().agreement());
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
+    Trial trial(GetParam(), seed, elsewhere(seed));
     std::vector<SE3<>> C = trial.poses();
     C.resize(trial.n_bodies() + 1);  // of the ground and the bodies
     const auto [C_X, C_Y] = GetParam().single ? by_screws<float>(trial) : by_screws<double>(trial);

@@ -95,7 +95,7 @@ TEST_P(LinearizedInDouble, IsTheLimitOfDifferencesOfMotions) {
   Comparison of_displacements("delta'", 1e-9), of_velocities("dv'", 1e-6);
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 8, .always_mass = true});
+    Trial trial(GetParam(), seed, {.most_bodies = 8, .always_mass = true});
     const Eigen::Index nv = trial.model.nv();
     if (nv == 0) return;
     const Ask ask = any_state(trial, random);
@@ -120,7 +120,7 @@ TEST_P(Linearized, HasTheDerivativesOfForwardDynamicsBelow) {
   int with = 0, without = 0;
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    Trial trial(GetParam(), seed, {.always_mass = true});
     const Eigen::Index nv = trial.model.nv();
     const Ask ask = any_state(trial, random);
     const System linear = linearized(GetParam(), trial.model, ask);
@@ -156,7 +156,7 @@ TEST_P(Linearized, KeepsADisplacementAlongTheMotion) {  // because [v, v] = 0
   Comparison nothing("-ad_v v", GetParam().single ? 1e-6 : 1e-15);
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
+    Trial trial(GetParam(), seed, {.always_mass = true});
     const Eigen::Index nv = trial.model.nv();
     const System linear = linearized(GetParam(), trial.model, any_state(trial, random));
     if (!linear.solvability.ok() || nv == 0) return;

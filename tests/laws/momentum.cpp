@@ -27,7 +27,7 @@ TEST_P(MomentumForm, MomentaAreMTimesVAndEnergiesHalfOfThemTimesV) {
   Comparison momentum("p", agreement), energy("T", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
     const TreeRecipe recipe = elsewhere(seed);
-    Trial trial(how, Random<double>(seed), recipe);
+    Trial trial(how, seed, recipe);
     const Numbers with = trial.inverse_dynamics(trial.zero(), trial.state.v, {}),
                   without = trial.inverse_dynamics(trial.zero(), trial.zero(), {});
     const Numbers p = momenta(trial, trial.state.v);
@@ -68,7 +68,7 @@ TEST_P(MomentumForm, GivesBackTheVelocitiesAndTheRateOfTheMomenta) {
   Comparison velocity("M v", agreement), rate("p'", 1e-6), again("p'", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
     const TreeRecipe recipe = elsewhere(seed, {.most_bodies = 25});
-    Trial trial(how, Random<double>(seed), recipe);
+    Trial trial(how, seed, recipe);
     Ask ask = trial.ask();
     ask.loads.joint_losses = seed % 2 == 0;
     ask.tau = trial.call("inverse_dynamics", ask), ask.p = momenta(trial, ask.v);
@@ -112,7 +112,7 @@ TEST_P(MomentumForm, DoesNotDependOnTheRepresentation) {
   for_seeds(1000, [&](std::uint64_t seed) {
     TreeRecipe recipe = elsewhere(seed, {.most_bodies = 25});
     recipe.far = 0;  // velocities must be as accurate as the rates that are computed from them
-    Trial trial(how, Random<double>(seed), recipe);
+    Trial trial(how, seed, recipe);
     if (definiteness(trial.mass_matrix()) < 1e-2)
       return;  // M must be well conditioned, because the rates are computed from the velocities
     ++compared;
@@ -135,7 +135,7 @@ TEST_P(MomentumForm, DoesNotDependOnTheRepresentation) {
 TEST_P(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
   Comparison total("Π", agreement), energy("T", agreement), centroidal("A v", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), elsewhere(seed));
+    Trial trial(how, seed, elsewhere(seed));
     const std::vector<SE3<>> C = trial.poses();
     const Numbers &v = trial.state.v, armature = trial.model.tree<double>().armature;
     for (const Representation representation : representations) {
@@ -195,7 +195,7 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
       balance("M V' - ad_Vᵀ M V", agreement);
   int compared = 0, trees = 0;
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), {.most_bodies = 25, .always_mass = true});
+    Trial trial(how, seed, {.most_bodies = 25, .always_mass = true});
     ++trees;
     const std::size_t n = trial.n_bodies();
     Ask ask = trial.ask();
@@ -268,7 +268,7 @@ TEST_P(MomentumForm, TakesTheProjectionOfMomentaThatNoMotionHas) {
   Comparison projection("JᵀΠ", agreement);
   int compared = 0;
   for_seeds(300, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), {.most_bodies = 12, .couplings = false, .always_mass = true});
+    Trial trial(how, seed, {.most_bodies = 12, .couplings = false, .always_mass = true});
     if (definiteness(trial.mass_matrix()) < 1e-2) return;
     const auto form = how.single ? by_momenta<float> : by_momenta<double>;
     const Numbers tau = trial.inverse_dynamics();
@@ -328,7 +328,7 @@ TEST_P(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
 TEST_P(MomentumForm, CentroidalInertiaIsWhatALockedSystemHas) {
   Comparison inertia("I v", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), elsewhere(seed, {.couplings = false, .one_free_root = true}));
+    Trial trial(how, seed, elsewhere(seed, {.couplings = false, .one_free_root = true}));
     if (!(trial.model.total_mass() > 0)) return;
     Numbers v = trial.zero();  // the base moves, the joints do not
     std::copy_n(trial.state.v.begin(), 6, v.begin());

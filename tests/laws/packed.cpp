@@ -102,7 +102,7 @@ TEST_P(PackedVectors, GiveWhatPlainOnesGive) {
   Comparison force("force", GetParam().agreement()), moved("motion", GetParam().agreement());
   int solved = 0;
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), seed);
     force.expect_equal(packed.forces(trial.model, trial.state), plain.forces(trial.model, trial.state));
     moved.expect_equal(packed.motion(trial.model, trial.state), plain.motion(trial.model, trial.state));
     if (trial.model.n_screws() != trial.model.nv()) return;

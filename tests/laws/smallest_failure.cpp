@@ -43,7 +43,7 @@ TEST(SmallestFailures, AreThoseOfTheFirstBodiesThatFail) {
 TEST(SmallestFailures, AreFoundForLawsThatThrow) {
   Random<double> random;
   do random_mechanism(random);
-  while (last_number_of_bodies() == 1);
+  while (last_mechanism().bodies == 1);
   const std::string report = smallest_failure([] {
     Random<double> again(3);
     random_description(again);

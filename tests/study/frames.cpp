@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, ChoiceOfFrames, testing::ValuesIn(choices()), nam
 TEST_P(ChoiceOfFrames, DoesNotChangeTheForces) {
   Comparison force("force", how.agreement());
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed));
+    Trial trial(how, seed);
     force.expect_equal(results_of(Algorithm::inverse_dynamics, trial, trial.state.a),
                        trial.inverse_dynamics());
   });
@@ -58,7 +58,7 @@ TEST_P(ChoiceOfFrames, DoesNotChangeTheForces) {
 TEST_P(ChoiceOfFrames, DoesNotChangeTheMassMatrix) {
   Comparison inertia("mass matrix", how.agreement());
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed));
+    Trial trial(how, seed);
     inertia.expect_equal(results_of(Algorithm::mass_matrix, trial, trial.state.a), trial.call("mass_matrix"));
   });
 }
@@ -67,7 +67,7 @@ TEST_P(ChoiceOfFrames, DoesNotChangeTheAccelerations) {
   Comparison force("force", how.agreement());
   int solved = 0, singular = 0;
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed));
+    Trial trial(how, seed);
     // If M is singular to rounding, it depends on rounding, and so on the choice of frames, whether it is
     // found to be singular.
     if (definiteness(trial.mass_matrix()) <= how.agreement() / 10) {
@@ -91,7 +91,7 @@ TEST_P(MomentaInFrames, GiveTheSameVelocitiesAndRates) {
   Comparison momentum("M v", how.agreement()), rate("p'", how.agreement());
   int compared = 0;
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed));
+    Trial trial(how, seed);
     if (definiteness(trial.mass_matrix()) < 1e-2)
       return;  // M must be well conditioned, because the rates are computed from the velocities
     ++compared;
@@ -121,7 +121,7 @@ template <class F> void each_screw(const Model& model, const F& f) {
 TEST(Frames, OfTheUserHaveTheScrewsOfTheModel) {
   Comparison screw("X", how.agreement()), pose("B", how.agreement());
   for_seeds(500, [&](std::uint64_t seed) {
-    const Trial trial(how, Random<double>(seed));
+    const Trial trial(how, seed);
     const FramedTree<double, UserFrames> tree(trial.model.tree<double>());
     each_screw(trial.model, [&](int i, int c, int k) {
       pose.expect_equal(tree.B[i], trial.model.body(i).B);
@@ -133,7 +133,7 @@ TEST(Frames, OfTheUserHaveTheScrewsOfTheModel) {
 TEST(Frames, InTheConstructionFrameHaveSpatialScrewsAndNothingBetweenBodies) {
   Comparison screw("Y", how.agreement()), pose("B", how.agreement());
   for_seeds(500, [&](std::uint64_t seed) {
-    const Trial trial(how, Random<double>(seed));
+    const Trial trial(how, seed);
     const FramedTree<double, ConstructionFrames> tree(trial.model.tree<double>());
     each_screw(trial.model, [&](int i, int c, int k) {
       pose.expect_equal(tree.B[i], SE3<>{});

@@ -28,7 +28,7 @@ TEST(TreeContraction, GivesTheAccelerationsOfForwardDynamicsWithAllKindsOfJoints
   Comparison eliminated("force, nothing compressed", how.agreement()), compressed("force, compressed", 1e-6);
   int trees = 0, compressions = 0;
   for_seeds(500, [&](std::uint64_t seed) {
-    Trial trial(how, Random<double>(seed), {.couplings = false});
+    Trial trial(how, seed, {.couplings = false});
     trial.state.wrenches.clear();
     const std::vector<double> tau = trial.inverse_dynamics();
     if (definiteness(trial.mass_matrix()) <= how.agreement() / 10) return;

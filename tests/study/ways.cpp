@@ -39,7 +39,7 @@ TEST_P(EveryWay, GivesTheSame) {
   const Way& way = GetParam();
   Comparison same(way.algorithm.data(), way.algorithm == "jerks" ? 1e-9 : 1e-11);
   for_seeds(200, [&](std::uint64_t seed) {
-    Trial trial(scalars()[0], Random<double>(seed), {.couplings = false});
+    Trial trial(scalars()[0], seed, {.couplings = false});
     trial.state.wrenches.clear();
     const std::size_t nv = static_cast<std::size_t>(trial.model.nv());
     std::vector<double> expected;

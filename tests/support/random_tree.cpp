@@ -3,18 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tests/support/units.hpp"
 
 namespace axode::test {
 namespace {
 
-/// The limit of this thread to the number of bodies, and the mechanism that it drew last.
-struct Drawing {
-  int most_bodies = std::numeric_limits<int>::max(), bodies = 0;
-  Description told;
-};
-thread_local Drawing drawing;
+thread_local int most_bodies = std::numeric_limits<int>::max();
+thread_local LastMechanism last;
 
 /// A tensor with principal second moments of mass between `thin` and 1 times the largest, in random axes.
 Sym3<> random_theta(Random<double>& random, double mass, double size, double thin = 0.1) {
@@ -39,9 +36,9 @@ Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe) {
                                  spherical, planar,   free,     fixed,     revolute, prismatic};
 
   Mechanism mechanism{.gravity = random.vector(10), .bodies = {}};
-  const int size = std::min(drawing.most_bodies,
-                            1 + static_cast<int>(recipe.most_bodies * std::pow(random.number(0, 1), 2)));
-  drawing.bodies = size;
+  const int size =
+      std::min(most_bodies, 1 + static_cast<int>(recipe.most_bodies * std::pow(random.number(0, 1), 2)));
+  last.bodies = size;
   const double chain = random.number(0, 1), new_root = chance(0.3) ? 0.2 : 0;
   std::vector<std::string> leaders;
   for (int moving = 0, i = 0; moving < size; ++i) {
@@ -287,11 +284,14 @@ Description random_description(Random<double>& random, const TreeRecipe& recipe)
   return tree;
 }
 
-AtMostBodies::AtMostBodies(int bodies) : before_(drawing.most_bodies) { drawing.most_bodies = bodies; }
-AtMostBodies::~AtMostBodies() { drawing.most_bodies = before_; }
-int last_number_of_bodies() { return drawing.bodies; }
-const Description& last_description() { return drawing.told; }
-void set_last_description(const Description& description) { drawing.told = description; }
+AtMostBodies::AtMostBodies(int bodies) : before_(std::exchange(most_bodies, bodies)) {}
+AtMostBodies::~AtMostBodies() { most_bodies = before_; }
+int AtMostBodies::limit() { return most_bodies; }
+const LastMechanism& last_mechanism() { return last; }
+void set_last_mechanism(const LastMechanism& mechanism) { last = mechanism; }
+void set_last_description(const Description& description) {
+  last.description = std::make_shared<const Description>(description);
+}
 
 std::vector<double> random_numbers(Random<double>& random, int n, double size) {
   std::vector<double> numbers(static_cast<std::size_t>(n));

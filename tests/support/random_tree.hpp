@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,6 +65,8 @@ struct TreeRecipe {
   double far = 0;         ///< how far the mechanism is from the origin before the factor `scale`, m
   double loops = 0;  ///< the part of mechanisms at a state that are closed by loops, see random_loops.hpp
   double scale = 1;  ///< the factor of all lengths of described mechanisms and of their states
+
+  bool operator==(const TreeRecipe&) const = default;
 };
 
 bool has_one_velocity(JointKind kind);
@@ -101,13 +104,19 @@ class AtMostBodies {
   AtMostBodies(const AtMostBodies&) = delete;
   AtMostBodies& operator=(const AtMostBodies&) = delete;
 
+  static int limit();  ///< of this thread, the largest integer if there is none
+
  private:
   int before_;
 };
-/// The number of moving bodies for which the last random mechanism of this thread was drawn.
-int last_number_of_bodies();
-/// The description of the last random mechanism of this thread, with all that was added to it afterwards.
-const Description& last_description();
+/// The last random mechanism of a thread: the number of moving bodies for which it was drawn, and its
+/// description with all that was added to it afterwards.
+struct LastMechanism {
+  int bodies = 0;
+  std::shared_ptr<const Description> description;
+};
+const LastMechanism& last_mechanism();
+void set_last_mechanism(const LastMechanism& mechanism);
 void set_last_description(const Description& description);
 
 /// The poses of all frames.

@@ -28,7 +28,7 @@ std::string failure_of(const std::function<void()>& law) {
 }  // namespace
 
 std::string smallest_failure(const std::function<void()>& law) {
-  const int most = last_number_of_bodies();
+  const int most = last_mechanism().bodies;
   for (int bodies = 1; bodies < most; ++bodies) {
     const AtMostBodies limit(bodies);
     const std::string failure = failure_of(law);
@@ -36,7 +36,7 @@ std::string smallest_failure(const std::function<void()>& law) {
     std::ostringstream text;
     text << "with " << bodies << (bodies == 1 ? " body" : " bodies") << " it still fails:\n" << failure;
     text << "\nThe mechanism as a drawing:\n";
-    write_drawing(ModelBuilder(last_description()).build(), text);
+    write_drawing(ModelBuilder(*last_mechanism().description).build(), text);
     return text.str();
   }
   return "with fewer bodies it does not fail";

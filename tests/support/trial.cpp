@@ -1,13 +1,45 @@
 #include "tests/support/trial.hpp"
 
+#include <optional>
+#include <utility>
+
 namespace axode::test {
+namespace {
+
+/// What mechanism_at_a_state() draws from a seed. A thread remembers it, because a law is tested on the same
+/// mechanisms for every representation and scalar type, and to build a model takes longer than most laws.
+struct Drawn {
+  std::uint64_t seed = 0;
+  TreeRecipe recipe;
+  int most_bodies = 0;
+  LastMechanism last;
+  std::optional<std::pair<Model, State<double>>> model_and_state;
+};
+
+const std::pair<Model, State<double>>& drawn(std::uint64_t seed, const TreeRecipe& recipe) {
+  thread_local std::vector<Drawn> remembered(2048);
+  Drawn& place = remembered[seed % remembered.size()];
+  const int most_bodies = AtMostBodies::limit();
+  if (place.model_and_state && place.seed == seed && place.recipe == recipe &&
+      place.most_bodies == most_bodies) {
+    set_last_mechanism(place.last);
+  } else {
+    Random<double> random(seed);
+    const MechanismAtAState mechanism = mechanism_at_a_state(random, recipe);
+    place = {seed, recipe, most_bodies, last_mechanism(), std::pair{mechanism.model, mechanism.state}};
+  }
+  return *place.model_and_state;
+}
+
+}  // namespace
 
 Trial::Trial(const Case& c, Model built, const State<double>& at)
     : how(c), model(std::move(built)), state(rounded(c, at)), subject_(subject(c, model)) {}
 Trial::Trial(const Case& c, const Model& built, Random<double>& random)
     : Trial(c, built, random_state(built, random)) {}
-Trial::Trial(const Case& c, Random<double> random, const TreeRecipe& recipe)
-    : Trial(c, mechanism_at_a_state(random, recipe)) {}
+Trial::Trial(const Case& c, std::uint64_t seed, const TreeRecipe& recipe) : Trial(c, drawn(seed, recipe)) {}
+Trial::Trial(const Case& c, const std::pair<Model, State<double>>& drawn)
+    : Trial(c, drawn.first, drawn.second) {}
 Trial::~Trial() = default;
 
 Trial Trial::by(const Case& other) const { return {other, model, state}; }

@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tests/support/dense.hpp"
@@ -18,7 +19,7 @@ class Trial {
   Trial(const Case& c, Model built, const State<double>& at);
   Trial(const Case& c, const Model& built, Random<double>& random);
   Trial(const Case& c, const MechanismAtAState& drawn) : Trial(c, drawn.model, drawn.state) {}
-  Trial(const Case& c, Random<double> random, const TreeRecipe& recipe = {});
+  Trial(const Case& c, std::uint64_t seed, const TreeRecipe& recipe = {});
   ~Trial();
 
   const Case how;
@@ -49,6 +50,8 @@ class Trial {
   std::size_t n_bodies() const { return static_cast<std::size_t>(model.n_bodies()); }
 
  private:
+  Trial(const Case& c, const std::pair<Model, State<double>>& drawn);
+
   std::unique_ptr<Subject> subject_;
 };
 
