@@ -98,9 +98,9 @@ build/venv/tests: tests/peers/requirements.txt tests/python/requirements.txt | b
 
 # The package that a bridge connects to is installed in addition to the environment of the tests.
 build/bridges/%/ready: tests/bridges/%/requirements.txt build/venv/tests
-	python3 -m venv build/bridges/$*
+	python3 -m venv --without-pip build/bridges/$*
 	echo $(CURDIR)/build/venv/lib/python3*/site-packages > $$(echo build/bridges/$*/lib/python3*/site-packages)/tests.pth
-	build/bridges/$*/bin/python -m pip install --quiet --no-compile -r $<
+	build/venv/bin/python -m pip --python build/bridges/$*/bin/python install --quiet --no-compile -r $<
 	touch $@
 
 clean: ## Remove everything that was built

@@ -107,6 +107,12 @@ function(axode_add_objects group name)
   set_property(GLOBAL APPEND PROPERTY axode_objects_of_${group} ${name})
 endfunction()
 
+# axode_optimise_little(<target>): for what reads and writes texts. GCC compiles it in two thirds of the time, and to
+# read a robot or to generate code takes 5 to 8 % longer (0.81 instead of 0.75 ms for the humanoid).
+function(axode_optimise_little target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # axode_precompile(<name> <first>): a precompiled header, with the headers that nearly all sources include. It
 # is that of the objects <first>, which are compiled with the same options.
 function(axode_precompile name first)
@@ -292,6 +298,7 @@ axode_add_library(axode_codegen codegen)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/codegen/*.cpp)
 target_sources(axode_codegen PRIVATE ${sources})
 axode_unite(axode_codegen)
+axode_optimise_little(axode_codegen)
 target_link_libraries(axode_codegen PUBLIC axode_batch PRIVATE ${CMAKE_DL_LIBS})
 target_compile_definitions(axode_codegen PRIVATE AXODE_VERSION="${PROJECT_VERSION}")
 
@@ -299,6 +306,7 @@ axode_add_library(axode_io io)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
 axode_add_objects(io axode_files ${sources})
 axode_unite(axode_files)
+axode_optimise_little(axode_files)
 target_link_libraries(axode_files PRIVATE tinyxml2::tinyxml2)
 axode_add_group(axode_io io)
 target_link_libraries(axode_io PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode> PRIVATE tinyxml2::tinyxml2)
@@ -321,6 +329,7 @@ axode_add_library(axode_view view)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/view/*.cpp)
 target_sources(axode_view PRIVATE ${sources})
 axode_unite(axode_view)
+axode_optimise_little(axode_view)
 target_link_libraries(
   axode_view PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>
   PRIVATE tinyxml2::tinyxml2 Qhull::qhull_r $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
@@ -339,6 +348,7 @@ endforeach()
 configure_file(${PROJECT_SOURCE_DIR}/axode/fmi/sources.cpp.in ${PROJECT_BINARY_DIR}/fmi_sources.cpp @ONLY)
 target_sources(axode_fmi PRIVATE ${sources} ${PROJECT_BINARY_DIR}/fmi_sources.cpp)
 axode_unite(axode_fmi)
+axode_optimise_little(axode_fmi)
 target_link_libraries(axode_fmi PUBLIC $<BUILD_INTERFACE:axode_io> $<INSTALL_INTERFACE:axode::io> PRIVATE tinyxml2::tinyxml2)
 set(AXODE_FMU "")
 if(NOT BUILD_SHARED_LIBS)

@@ -100,7 +100,7 @@ def processor_time():
 
 def part_until_interrupted(make, f):
     """Interrupts a call after a sixteenth of its processor time. Returns the part of the program's time that it took."""
-    whole = 0.8  # seconds of processor time, which do not depend on what else the machine does
+    whole = 0.4  # seconds of processor time, which do not depend on what else the machine does
     N, took = 500, np.zeros(2)
     while took.sum() < whole / 10:
         N *= 2
