@@ -15,7 +15,7 @@ import tempfile
 import time
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -42,6 +42,8 @@ NIGHTLY = {
     "aarch64": Stage("aarch64", programs="*-InstructionSets.*",  # which start the program itself, without the emulator
                      emulator=("qemu-aarch64",)),
     "clang": Stage("clang", others="Examples|Guards|Page"),
+    "descriptions": Stage("asan", programs="HostileDescriptions.*:RoundTrip.*Random*",
+                          environment={"AXODE_RANDOM_TREES": "5000"}),
     "asan-all": Stage("asan-all", others="Examples", environment={"AXODE_RANDOM_TREES": "30"}),
     "tsan": Stage("tsan", programs="*Threads*:*ManyStates*",
                   environment={"AXODE_RANDOM_TREES": "3",  # it makes calls a hundred times as long
@@ -247,6 +249,35 @@ def test(name, stage, jobs, costs):
     return results
 
 
+def test_at_low_priority(name, stage, jobs, log):
+    """The outcomes, costs and times of a stage, whose output goes to a file, in a process of its own."""
+    os.nice(19)
+    output = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    for stream in (1, 2):
+        os.dup2(output, stream)
+    costs = Costs()
+    return test(name, stage, jobs, costs), costs.rows, seconds
+
+
+def start_at_low_priority(name, stage, jobs, costs):
+    """Starts a stage that takes the processors when other stages leave one without work, as they do when they link or
+    draw pages. The result is a function that waits for the outcomes and prints what the stage said."""
+    log = SOURCE / "build" / f"{name}.log"
+    log.parent.mkdir(exist_ok=True)
+    print(f"+ {name}, at low priority: {log}\n", flush=True)
+    pool = ProcessPoolExecutor(1)
+    future = pool.submit(test_at_low_priority, name, stage, jobs, log)
+
+    def wait():
+        outcomes, rows, times = future.result()
+        print(log.read_text(errors="replace"), flush=True)
+        costs.rows += rows
+        seconds.update(times)
+        return outcomes
+
+    return wait
+
+
 def run_pytest(python, tests, jobs, folder):
     xml = folder / "tests.xml"
     xml.unlink(missing_ok=True)
@@ -388,7 +419,7 @@ def main():
 
     jobs, costs = arguments.jobs, Costs()
     bridges = {file.parent.name for file in SOURCE.glob("tests/bridges/*/requirements.txt")}
-    runs = {}
+    runs, wait_for_asan = {}, None
     if arguments.nightly:
         bridges &= NIGHTLY_BRIDGES
         for name, stage in NIGHTLY.items():
@@ -402,15 +433,17 @@ def main():
         runs["bench"] = lambda: measure_speed(jobs, costs)
     elif not arguments.bridges:
         bridges -= NIGHTLY_BRIDGES
-        wait = make_environments(bridges)
-        runs["asan"] = lambda: test("asan", ASAN, jobs, costs)
-        runs["environments"] = lambda: costs.measure("environments", "install", wait)
+        wait_for_asan = start_at_low_priority("asan", ASAN, jobs, costs)
+        wait_for_environments = make_environments(bridges)
         runs["release"] = lambda: test("release", RELEASE, jobs, costs)
+        runs["environments"] = lambda: costs.measure("environments", "install", wait_for_environments)
         runs["tests"] = lambda: test("tests", TESTS, jobs, costs)
         runs["style"] = lambda: check_style(jobs, costs)
         runs["python"] = lambda: test_python(jobs, costs)  # with the libraries of release
     for name in sorted(bridges):
         runs[f"bridge {name}"] = lambda name=name: test_bridge(name, jobs, costs)
+    if wait_for_asan:
+        runs["asan"] = wait_for_asan
 
     results = {}
     for name, test_all in runs.items():
