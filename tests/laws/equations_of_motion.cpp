@@ -13,7 +13,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, EquationsOfMotion, testing::ValuesIn(cases()), na
 
 TEST_P(EquationsOfMotion, MassMatrixIsTheDerivativeOfInverseDynamics) {
   Comparison torque("M a", GetParam().agreement());
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(GetParam(), seed);
     const std::vector<double> with = trial.inverse_dynamics(trial.state.v, trial.state.a, {}),
                               without = trial.inverse_dynamics(trial.state.v, trial.zero(), {});
@@ -24,7 +24,7 @@ TEST_P(EquationsOfMotion, MassMatrixIsTheDerivativeOfInverseDynamics) {
 
 TEST_P(EquationsOfMotion, AreTheSumOfTheirTerms) {
   Comparison torque("torque", GetParam().agreement());
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(GetParam(), seed);
     Ask ask = trial.ask();
     ask.loads.joint_losses = seed % 2 == 0;
@@ -105,7 +105,7 @@ TEST_P(EquationsOfMotion, AFrameAnswersAnImpulse) {
 
 TEST_P(EquationsOfMotion, GravityIsTheGradientOfThePotentialEnergy) {
   Comparison work("g v", 1e-7);  // differences of the energy, computed in double
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(in_double(GetParam()), seed, {.most_bodies = 20});
     const double h = 1e-5;
     const auto energy = [&](double s) {
@@ -165,7 +165,7 @@ TEST_F(ClosedForms, PartialsOfTheMassMatrixAreItsDerivatives) {
 
 TEST_F(ClosedForms, CoriolisMatricesMakeTheCoriolisVector) {
   Comparison forces("C v", 1e-11), closed("C in closed form", 1e-11);
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(how, seed, {.most_bodies = 30});
     const VectorXd Cv = vector(trial.call("coriolis_vector"));
     const double v_largest = largest(trial.state.v), size = size_of_C(trial);
@@ -182,7 +182,7 @@ TEST_F(ClosedForms, CoriolisMatricesMakeTheCoriolisVector) {
 TEST_F(ClosedForms, MassMatrixRateMinusTwiceCIsSkewWhereItIsClaimed) {
   Comparison skew("M' - 2C", 1e-11);
   int not_skew = 0, trees = 0;
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(how, seed, {.most_bodies = 30});
     const MatrixXd dM = mass_matrix_rate(trial);
     const auto symmetric_part = [&](CoriolisForm form) {

@@ -18,7 +18,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, FastPath, testing::ValuesIn(scalars()), name_of);
 
 TEST_P(FastPath, GivesTheSameForces) {
   Comparison force("force", GetParam().agreement());
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial hybrid(GetParam(), seed), fastest = hybrid.by(fast(GetParam()));
     Ask ask = hybrid.ask();
     ask.loads.joint_losses = seed % 2 == 0;
@@ -37,7 +37,7 @@ TEST_P(FastPath, GivesTheSameForces) {
 
 TEST_P(FastPath, GivesTheSameMassMatrixAndJudgesItsInverseAlike) {
   Comparison inertia("mass matrix", GetParam().agreement());
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial hybrid(GetParam(), seed), fastest = hybrid.by(fast(GetParam()));
     const Numbers M = fastest.call("mass_matrix");
     inertia.expect_equal(M, hybrid.call("mass_matrix"));

@@ -14,7 +14,7 @@ TEST_P(ForwardDynamics, UndoesInverseDynamics) {
   // Loops are solved to the accuracy that their conditions allow, so that they are compared in double alone.
   Comparison with_loops("torque with loops", 1e-8);
   int solved = 0, singular = 0, closed = 0;
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     const bool loops = !GetParam().single && seed % 20 == 1;
     TreeRecipe recipe = elsewhere(seed, {.friction = seed % 2 == 0, .loops = loops ? 1.0 : 0.0});
     if (recipe.far > 0) recipe.far = GetParam().single ? 0 : 5e3;

@@ -14,7 +14,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, InverseDynamics, testing::ValuesIn(cases()), name
 
 TEST_P(InverseDynamics, AgreesWithTheOtherRepresentations) {
   Comparison torque("torque", GetParam().agreement());
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     const TreeRecipe recipe = elsewhere(seed);
     Trial trial(GetParam(), seed, recipe);
     const std::vector<double> tau = trial.inverse_dynamics();
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, FloatInverseDynamics, testing::ValuesIn(cases().b
 
 TEST_P(FloatInverseDynamics, AgreesWithDouble) {
   Comparison torque("torque", GetParam().agreement()), springs("springs", GetParam().agreement());
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const TreeRecipe recipe = elsewhere(seed);
     const MechanismAtAState drawn = mechanism_at_a_state(random, recipe);

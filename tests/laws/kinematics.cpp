@@ -76,7 +76,7 @@ template <class T> std::array<std::vector<SE3<>>, 2> by_screws(const Trial& tria
 
 TEST_P(Poses, AreProductsOfExponentialsOfBodyAndOfSpatialScrews) {
   Comparison by_X("X", GetParam().agreement()), by_Y("Y", GetParam().agreement());
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(GetParam(), seed, elsewhere(seed));
     std::vector<SE3<>> C = trial.poses();
     C.resize(trial.n_bodies() + 1);  // of the ground and the bodies

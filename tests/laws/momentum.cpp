@@ -25,7 +25,7 @@ Numbers minus(Numbers x, const Numbers& y) {
 
 TEST_P(MomentumForm, MomentaAreMTimesVAndEnergiesHalfOfThemTimesV) {
   Comparison momentum("p", agreement), energy("T", agreement);
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     const TreeRecipe recipe = elsewhere(seed);
     Trial trial(how, seed, recipe);
     const Numbers with = trial.inverse_dynamics(trial.zero(), trial.state.v, {}),
@@ -66,7 +66,7 @@ Numbers momentum_rate(Trial& t) {
 
 TEST_P(MomentumForm, GivesBackTheVelocitiesAndTheRateOfTheMomenta) {
   Comparison velocity("M v", agreement), rate("p'", 1e-6), again("p'", agreement);
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     const TreeRecipe recipe = elsewhere(seed, {.most_bodies = 25});
     Trial trial(how, seed, recipe);
     Ask ask = trial.ask();
@@ -134,7 +134,7 @@ TEST_P(MomentumForm, DoesNotDependOnTheRepresentation) {
 
 TEST_P(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
   Comparison total("Π", agreement), energy("T", agreement), centroidal("A v", agreement);
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(how, seed, elsewhere(seed));
     const std::vector<SE3<>> C = trial.poses();
     const Numbers &v = trial.state.v, armature = trial.model.tree<double>().armature;
@@ -194,7 +194,7 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
   Comparison velocity("v", agreement), twist("V'", agreement), momentum("Π'", agreement),
       balance("M V' - ad_Vᵀ M V", agreement);
   int compared = 0, trees = 0;
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(how, seed, {.most_bodies = 25, .always_mass = true});
     ++trees;
     const std::size_t n = trial.n_bodies();
@@ -300,7 +300,7 @@ TEST_P(MomentumForm, TakesTheProjectionOfMomentaThatNoMotionHas) {
 
 TEST_P(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
   Comparison torque("Y π", agreement), kinetic("T", agreement), potential("U", agreement);
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const TreeRecipe recipe = elsewhere(seed);
     MechanismAtAState drawn = mechanism_at_a_state(random, recipe);
@@ -327,7 +327,7 @@ TEST_P(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
 
 TEST_P(MomentumForm, CentroidalInertiaIsWhatALockedSystemHas) {
   Comparison inertia("I v", agreement);
-  for_seeds(2000, [&](std::uint64_t seed) {
+  for_seeds(1000, [&](std::uint64_t seed) {
     Trial trial(how, seed, elsewhere(seed, {.couplings = false, .one_free_root = true}));
     if (!(trial.model.total_mass() > 0)) return;
     Numbers v = trial.zero();  // the base moves, the joints do not

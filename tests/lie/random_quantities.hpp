@@ -1,7 +1,9 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -17,7 +19,11 @@ template <class T> class Random {
   explicit Random(std::uint64_t seed = 1)
       : engine_(seed), trace_(__FILE__, __LINE__, "random quantities with seed " + std::to_string(seed)) {}
 
-  T number(T low, T high) { return low + (high - low) * unit_(engine_); }
+  /// What std::uniform_real_distribution draws, which computes a logarithm for each number.
+  T number(T low, T high) {
+    const T part = static_cast<T>(engine_()) * static_cast<T>(0x1p-64);
+    return low + (high - low) * std::min(part, T(1) - std::numeric_limits<T>::epsilon() / 2);
+  }
   Vec3<T> vector(T size = T(1)) { return {number(-size, size), number(-size, size), number(-size, size)}; }
   Vec3<T> direction() {
     for (;;) {
@@ -52,7 +58,6 @@ template <class T> class Random {
  private:
   std::mt19937_64 engine_;
   testing::ScopedTrace trace_;
-  std::uniform_real_distribution<T> unit_{T(0), T(1)};
 };
 
 }  // namespace axode::test

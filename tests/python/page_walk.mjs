@@ -22,7 +22,7 @@ async function moveSliders() {
   const result = { gap: window.axode.gap(), notes: [], asked: 0, reached: 0 };
   for (const slider of document.querySelectorAll("#joints input[type=range]:not(:disabled)")) {
     const [low, high] = [Number(slider.min), Number(slider.max)];
-    for (const part of loops ? [0.55, 0.3, 0.9, 0.5] : [0.9]) {
+    for (const part of loops ? [0.3, 0.9, 0.5] : [0.9]) {
       const value = low + part * (high - low);
       slider.value = String(value);
       slider.dispatchEvent(new Event("input", { bubbles: true }));

@@ -80,6 +80,5 @@ def test_mistakes_are_found_where_they_are(tmp_path):
 def test_the_examples_are_typed(tmp_path):
     examples = sorted((SOURCE / "examples/python").glob("*.py"))
     assert examples
-    for example in examples:
-        status, output = mypy(tmp_path, str(example))
-        assert status == 0, output
+    status, output = mypy(tmp_path, *map(str, examples))
+    assert status == 0, output

@@ -17,7 +17,7 @@ struct Drawn {
 };
 
 const std::pair<Model, State<double>>& drawn(std::uint64_t seed, const TreeRecipe& recipe) {
-  thread_local std::vector<Drawn> remembered(2048);
+  thread_local std::vector<Drawn> remembered(1024);
   Drawn& place = remembered[seed % remembered.size()];
   const int most_bodies = AtMostBodies::limit();
   if (place.model_and_state && place.seed == seed && place.recipe == recipe &&
