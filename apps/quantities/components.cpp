@@ -3,50 +3,54 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "axode/model/configuration.hpp"
+#include "axode/model/subgroup.hpp"
 
 namespace axode::command {
 namespace {
 
-using Names = std::vector<std::string_view>;
+using Names = std::vector<std::string>;
+enum class Of { coordinates, velocities };
 
-Names coordinates_of(Subgroup kind) {
-  switch (kind) {
-    case Subgroup::spherical: return {"qx", "qy", "qz", "qw"};
-    case Subgroup::planar: return {"angle", "x", "y"};
-    case Subgroup::free: return {"qx", "qy", "qz", "qw", "x", "y", "z"};
-    default: return {""};
-  }
-}
+char axis_of(const Vec3<>& e) { return e.x != 0 ? 'x' : e.y != 0 ? 'y' : 'z'; }
 
-Names velocities_of(Subgroup kind) {
-  switch (kind) {
-    case Subgroup::spherical: return {"wx", "wy", "wz"};
-    case Subgroup::planar: return {"w", "vx", "vy"};
-    case Subgroup::free: return {"wx", "wy", "wz", "vx", "vy", "vz"};
-    default: return {""};
-  }
+/// The names of the coordinates or velocities of a kind of joint: first those of rotations, then those of
+/// translations. They name the axes of the columns of S. The only one of a joint has no name.
+Names names_of(Subgroup kind, Of of) {
+  return with_subgroup(kind, 1.0, [of](const auto& joint) -> Names {
+    if (joint.nv == 1) return {""};
+    Names names;
+    if (of == Of::coordinates) {
+      names = joint.nq > joint.nv ? Names{"qx", "qy", "qz", "qw"} : Names(joint.angles, "angle");
+    } else {
+      for (int k = 0; k < joint.angles; ++k)
+        names.push_back(joint.angles == 1 ? "w" : std::string("w") + axis_of(joint.column(k).w));
+    }
+    for (int k = joint.angles; k < joint.nv; ++k)
+      names.push_back(std::string(of == Of::velocities ? "v" : "") + axis_of(joint.column(k).v));
+    return names;
+  });
 }
 
 /// Makes a Component for each coordinate, or for each velocity, of the joints that are not coupled.
-/// names_of(kind) returns the names of the coordinates, or of the velocities, of a kind of joint: first the
-/// names for rotations, then those for translations. Translations have Component::length as their kind, and
-/// rotations Component::angle or Component::quaternion, for velocities too.
-std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup)) {
+/// Translations have Component::length as their kind, and rotations Component::angle or Component::quaternion,
+/// for velocities too.
+std::vector<Component> components(const Model& model, Of of) {
   std::vector<Component> all;
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Joint& joint = model.joint(i);
     if (joint.leader) continue;
-    const Names names = names_of(joint.kind);
+    const Names names = names_of(joint.kind, of);
     const std::size_t lengths = with_subgroup(
         joint.kind, 1.0, [](const auto& kind) { return static_cast<std::size_t>(kind.nv - kind.angles); });
     for (std::size_t k = 0; k < names.size(); ++k) {
-      const std::string_view name = names[k];
+      const std::string& name = names[k];
       Component::Kind kind = Component::length;
       if (k + lengths < names.size()) kind = name.starts_with('q') ? Component::quaternion : Component::angle;
-      all.push_back({joint.name + (name.empty() ? "" : " " + std::string(name)), kind, joint.name,
-                     model.body(i).name, i});
+      all.push_back({joint.name + (name.empty() ? "" : " " + name), kind, joint.name, model.body(i).name, i});
     }
   }
   return all;
@@ -95,8 +99,10 @@ std::optional<std::size_t> take_velocity(std::string_view& name, const std::vect
 
 }  // namespace
 
-std::vector<Component> coordinate_components(const Model& model) { return components(model, coordinates_of); }
-std::vector<Component> velocity_components(const Model& model) { return components(model, velocities_of); }
+std::vector<Component> coordinate_components(const Model& model) {
+  return components(model, Of::coordinates);
+}
+std::vector<Component> velocity_components(const Model& model) { return components(model, Of::velocities); }
 
 std::map<std::string, ColumnOfMotion> columns_of_motion(const Model& model) {
   std::map<std::string, ColumnOfMotion> columns{{"t", {"t", "s"}}, {"energy", {"energy", "J"}}};

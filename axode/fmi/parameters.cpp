@@ -19,12 +19,6 @@ constexpr std::array<std::pair<std::string_view, double Sym3<>::*>, 6> inertias{
 
 std::string component(const std::string& name, std::size_t c) { return name + "[" + std::to_string(c) + "]"; }
 
-/// Whether the geometry of a joint of this kind depends on the point at which it is drawn.
-bool is_located(JointKind kind) {
-  return kind == JointKind::revolute || kind == JointKind::helical || kind == JointKind::cylindrical ||
-         kind == JointKind::universal || kind == JointKind::spherical;
-}
-
 class Parameters {
  public:
   explicit Parameters(const Settings& settings) : settings_(settings) {}
@@ -50,7 +44,7 @@ class Parameters {
   void add_joint(const BodyDescription& body, std::size_t i) {
     const JointDescription& joint = body.joint;
     const std::string name = "joint." + joint_name(body);
-    if (is_located(joint.kind) && std::holds_alternative<InConstructionFrame>(body.geometry))
+    if (traits(joint.kind).point && std::holds_alternative<InConstructionFrame>(body.geometry))
       for (std::size_t c = 0; c < 3; ++c)
         add(
             component(name + ".point", c), "m", "component of the point of the joint",

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdio>
+#include <string>
 
+#include "axode/model/kinds/joint_kinds.hpp"
 #include "python/bindings/model/model.hpp"
 #include "python/bindings/support/conversions.hpp"
 
@@ -31,12 +33,22 @@ std::string indices(int first, int n) {
   return n == 1 ? std::to_string(first) : std::to_string(first) + ":" + std::to_string(first + n);
 }
 
+/// "revolute, ..., planar or free.", in the order of the table.
+std::string kinds_of_single_joints() {
+  std::string list;
+  for (const JointTraits& t : joint_kinds)
+    if (t.dof > 0 && to_string(t.subgroup) == t.name)
+      list += (list.empty() ? "" : ", ") + std::string(t.name);
+  const std::size_t last = list.rfind(", ");
+  return list.replace(last, 2, " or ") + ".";
+}
+
 void add_joint_and_body(nb::module_& module) {
   nb::class_<BoundJoint>(module, "Joint", "The joint that moves a body; read only.")
       .def_prop_ro("name", [](const BoundJoint& j) { return (*j).name; })
       .def_prop_ro(
           "kind", [](const BoundJoint& j) { return std::string(to_string((*j).kind)); },
-          "revolute, prismatic, helical, spherical, planar or free.")
+          kinds_of_single_joints().c_str())
       .def_prop_ro(
           "pitch", [](const BoundJoint& j) { return (*j).pitch; }, "Pitch of a helical joint, m/rad.")
       .def_prop_ro(
