@@ -1,8 +1,8 @@
 """Checks that the tests notice mistakes.
 
 Every row of tests/mutants.tsv is one mistake: a file, a text that occurs once in it (\\n is a new line), its
-replacement, the test that must fail (a program and a filter of GoogleTest, or a test of pytest), and the
-sources to compile, each perhaps in one representation only (:Hybrid); without any, the file itself. Part of
+replacement, the test that must fail (a program and a filter of GoogleTest, or a test of pytest) unless a
+static_assert does, and the sources to compile, each perhaps in one representation only (:Hybrid); without any, the file itself. Part of
 `make nightly`; alone, for the rows that contain one of the words:
   cmake --preset coverage && cmake --build --preset coverage && python3 tools/mutants.py [WORD...]
 Neither the tree nor the build is changed: Clang reads the changed file through an overlay of the file system,
@@ -82,7 +82,7 @@ def compile_changed(words, overlay, target):
         elif word not in ("-MD", "-Werror"):
             kept.append(word)
     command = [*kept, "-w", "-ivfsoverlay", str(overlay), "-MD", "-MF", target + ".d", "-o", target]
-    subprocess.run(command, cwd=BUILD, check=True)
+    subprocess.run(command, cwd=BUILD, check=True, stderr=subprocess.PIPE, text=True)
     return Path(target + ".d").read_text()
 
 
@@ -167,7 +167,9 @@ def reason_of_escape(mutant):
             return "" if run_changed(mutant, text, Path(folder)).returncode else "the test passes"
         except subprocess.TimeoutExpired:
             return ""
-        except (subprocess.CalledProcessError, ValueError) as error:
+        except subprocess.CalledProcessError as error:
+            return "" if "static_assert failed" in (error.stderr or "") else f"it cannot be built: {error}\n{error.stderr}"
+        except ValueError as error:
             return f"it cannot be built: {error}"
 
 
