@@ -96,11 +96,11 @@ build/venv/tests: tests/peers/requirements.txt tests/python/requirements.txt | b
 	build/venv/bin/python -m pip install --quiet --no-compile $(foreach file,$^,-r $(file))
 	touch $@
 
-# The package that a bridge connects to is installed in addition to the environment of the tests.
+# The package that a bridge connects to is installed in addition to the environment of the tests, whose pip does it.
 build/bridges/%/ready: tests/bridges/%/requirements.txt build/venv/tests
 	python3 -m venv --without-pip build/bridges/$*
 	echo $(CURDIR)/build/venv/lib/python3*/site-packages > $$(echo build/bridges/$*/lib/python3*/site-packages)/tests.pth
-	build/venv/bin/python -m pip --python build/bridges/$*/bin/python install --quiet --no-compile -r $<
+	build/bridges/$*/bin/python -m pip install --quiet --no-compile -r $<
 	touch $@
 
 clean: ## Remove everything that was built

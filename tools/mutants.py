@@ -2,8 +2,8 @@
 
 Every row of tests/mutants.tsv is one mistake: a file, a text that occurs once in it (\\n is a new line), its
 replacement, the test that must fail (a program and a filter of GoogleTest, or a test of pytest) unless a
-static_assert does, and the sources to compile, each perhaps in one representation only (:Hybrid); without any, the file itself. Part of
-`make nightly`; alone, for the rows that contain one of the words:
+static_assert fails, and the sources to compile, each perhaps in one representation only (:Hybrid); without
+any, the file itself. Part of `make nightly`; alone, for the rows that contain one of the words:
   cmake --preset coverage && cmake --build --preset coverage && python3 tools/mutants.py [WORD...]
 Neither the tree nor the build is changed: Clang reads the changed file through an overlay of the file system,
 and the objects go into a temporary program. Code in single precision is left as it is.
@@ -168,7 +168,8 @@ def reason_of_escape(mutant):
         except subprocess.TimeoutExpired:
             return ""
         except subprocess.CalledProcessError as error:
-            return "" if "static_assert failed" in (error.stderr or "") else f"it cannot be built: {error}\n{error.stderr}"
+            messages = error.stderr or ""
+            return "" if "static_assert failed" in messages else f"it cannot be built: {error}\n{messages}"
         except ValueError as error:
             return f"it cannot be built: {error}"
 

@@ -19,7 +19,8 @@ template <class T> class Random {
   explicit Random(std::uint64_t seed = 1)
       : engine_(seed), trace_(__FILE__, __LINE__, "random quantities with seed " + std::to_string(seed)) {}
 
-  /// What std::uniform_real_distribution draws, which computes a logarithm for each number.
+  /// A number in [low, high) with a uniform distribution. It is the number that std::uniform_real_distribution
+  /// draws. That class computes a logarithm for each number if it is compiled without optimisation.
   T number(T low, T high) {
     const T part = static_cast<T>(engine_()) * static_cast<T>(0x1p-64);
     return low + (high - low) * std::min(part, T(1) - std::numeric_limits<T>::epsilon() / 2);

@@ -6,8 +6,9 @@
 namespace axode::test {
 namespace {
 
-/// What mechanism_at_a_state() draws from a seed. A thread remembers it, because a law is tested on the same
-/// mechanisms for every representation and scalar type, and to build a model takes longer than most laws.
+/// A mechanism at a state that was drawn from a seed. Each thread remembers the last ones, because a law is
+/// tested on the same mechanisms for every representation and scalar type, and building a model takes longer
+/// than most laws.
 struct Drawn {
   std::uint64_t seed = 0;
   TreeRecipe recipe;
