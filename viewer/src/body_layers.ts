@@ -13,7 +13,7 @@ import {
 import { couplings } from "./couplings";
 import { paintEdges } from "./edges";
 import { count, format } from "./element";
-import { ball, hinge, plate, quarteredBall, screwThread, slider, triad } from "./glyphs";
+import { quarteredBall, triad } from "./glyphs";
 import { ellipsoid, principalAxes } from "./inertia";
 import { Instances, type Item } from "./instances";
 import { KINDS } from "./joint_kinds";
@@ -152,22 +152,16 @@ function drawnLead(pitch: number, unit: number): number {
 
 function joints(view: View): Layer | null {
   const { scene, stage } = view;
-  const symbols = new Map<string, { make: (sides: number) => BufferGeometry; items: Item[] }>();
+  const symbols = new Map<string, { make: (sides: number, lead: number) => BufferGeometry; lead: number; items: Item[] }>();
   const color = (joint: Joint) => (joint.leader ? colors.coupled : joint.passive ? colors.passive : colors.driven);
   scene.bodies.slice(1).forEach((body, k) => {
     const { joint } = body;
-    if (joint.kind === "free") return;
+    const { symbol: make, hasPitch } = KINDS[joint.kind];
+    if (!make) return;
     const pose = matrixOf(body.S_self).setPosition(placeOfJoint(body));
-    const lead = drawnLead(joint.pitch, stage.unit);
-    const make = {
-      revolute: hinge,
-      prismatic: slider,
-      helical: (sides: number) => screwThread(lead, sides),
-      spherical: ball,
-      planar: plate,
-    }[joint.kind];
-    const key = KINDS[joint.kind].hasPitch ? `${joint.kind} ${lead}` : joint.kind;
-    const symbol = symbols.get(key) ?? { make, items: [] };
+    const lead = hasPitch ? drawnLead(joint.pitch, stage.unit) : 0;
+    const key = `${joint.kind} ${lead}`;
+    const symbol = symbols.get(key) ?? { make, lead, items: [] };
     symbols.set(key, symbol);
     symbol.items.push({ body: k + 1, pose, color: color(joint), symbol: true });
   });
@@ -183,7 +177,7 @@ function joints(view: View): Layer | null {
       on: false,
       over: true,
     },
-    ...[...symbols.values()].map(({ make, items }) => new Instances(make(sidesOfSymbols(items.length)), material, items)),
+    ...[...symbols.values()].map(({ make, lead, items }) => new Instances(make(sidesOfSymbols(items.length), lead), material, items)),
   );
 }
 

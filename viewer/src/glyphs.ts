@@ -117,7 +117,7 @@ export function hinge(sides: number): BufferGeometry {
 }
 
 /** A screw: an axis, and a thread about it. */
-export function screwThread(lead: number, sides: number): BufferGeometry {
+export function screwThread(sides: number, lead: number): BufferGeometry {
   const turns = 1.5 / Math.abs(lead);
   return together(...axis(sides), helix(0.42, lead, turns, 0.05, part(sides, 0.7)));
 }

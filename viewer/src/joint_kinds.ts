@@ -1,5 +1,5 @@
-import { Matrix4, Quaternion, Vector3 } from "three";
-import type { JointKind } from "./scene";
+import { type BufferGeometry, Matrix4, Quaternion, Vector3 } from "three";
+import { ball, hinge, plate, screwThread, slider } from "./glyphs";
 import type { Screw } from "./screws";
 import type { Place } from "./se3";
 
@@ -15,7 +15,7 @@ export interface Group {
   screw(v: readonly number[]): Screw;
 }
 
-/** All that the page knows of a kind of joint, except its symbol (body_layers.ts). */
+/** All that the page knows of a kind of joint. */
 interface Kind {
   /** The units of its velocities; the angular ones come first. */
   units: (typeof ANGLE)[];
@@ -31,6 +31,8 @@ interface Kind {
   /** Whether its axis or its centre is in one place, where it is drawn. */
   hasPlace: boolean;
   hasPitch: boolean;
+  /** Its symbol, about one unit large, along z; absent if it has no place. `lead` is how far a thread advances in a turn. */
+  symbol?(sides: number, lead: number): BufferGeometry;
 }
 
 const TURNS = ["wx", "wy", "wz"];
@@ -46,13 +48,23 @@ const turning = {
   },
 };
 
-export const KINDS: Record<JointKind, Kind> = {
-  revolute: { ...simple, units: [ANGLE], displacement: ([angle]) => new Matrix4().makeRotationZ(angle) },
-  prismatic: { ...simple, units: [LENGTH], hasPlace: false, displacement: ([x]) => new Matrix4().makeTranslation(0, 0, x) },
+/** The table, whose keys are the kinds. */
+const table = <Name extends string>(kinds: Record<Name, Kind>) => kinds;
+
+export const KINDS = table({
+  revolute: { ...simple, units: [ANGLE], symbol: hinge, displacement: ([angle]) => new Matrix4().makeRotationZ(angle) },
+  prismatic: {
+    ...simple,
+    units: [LENGTH],
+    hasPlace: false,
+    symbol: slider,
+    displacement: ([x]) => new Matrix4().makeTranslation(0, 0, x),
+  },
   helical: {
     ...simple,
     units: [ANGLE],
     hasPitch: true,
+    symbol: screwThread,
     displacement: ([angle], pitch) => new Matrix4().makeRotationZ(angle).setPosition(0, 0, pitch * angle),
   },
   spherical: {
@@ -62,6 +74,7 @@ export const KINDS: Record<JointKind, Kind> = {
     coordinates: QUATERNION,
     velocities: TURNS,
     hasPlace: true,
+    symbol: ball,
     displacement: (x) => new Matrix4().makeRotationFromQuaternion(turned(x).normalize()),
     group: { ...turning.group, coordinates: ({ turn }) => turn.toArray() },
   },
@@ -71,6 +84,7 @@ export const KINDS: Record<JointKind, Kind> = {
     sliders: ["θ", "x", "y"],
     coordinates: ["angle", "x", "y"],
     velocities: ["w", "vx", "vy"],
+    symbol: plate,
     displacement: ([angle, x, y]) => new Matrix4().makeRotationZ(angle).setPosition(x, y, 0),
     group: {
       place: ([angle, x, y]) => ({ turn: new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), angle), r: new Vector3(x, y, 0) }),
@@ -88,4 +102,6 @@ export const KINDS: Record<JointKind, Kind> = {
     displacement: (x) => new Matrix4().makeRotationFromQuaternion(turned(x).normalize()).setPosition(x[4], x[5], x[6]),
     group: { ...turning.group, coordinates: ({ turn, r }) => [...turn.toArray(), ...r.toArray()] },
   },
-};
+});
+
+export type JointKind = keyof typeof KINDS;

@@ -1,9 +1,9 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { element } from "./element";
-import { ANGLE, KINDS } from "./joint_kinds";
+import { ANGLE, type JointKind, KINDS } from "./joint_kinds";
 import { colors, strokeOfBody } from "./palette";
-import type { JointKind, Scene } from "./scene";
+import type { Scene } from "./scene";
 import type { State } from "./state";
 import { tickText } from "./ticks";
 

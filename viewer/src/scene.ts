@@ -1,9 +1,10 @@
+import type { JointKind } from "./joint_kinds";
+
 /** The scene that a page is given: one JSON object, described in viewer/README.md. */
 
 /** Position and quaternion: x y z, qx qy qz qw. */
 export type Pose = [number, number, number, number, number, number, number];
 export type Vec3 = [number, number, number];
-export type JointKind = "revolute" | "prismatic" | "helical" | "spherical" | "planar" | "free";
 
 export interface Joint {
   name: string;

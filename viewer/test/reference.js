@@ -56,23 +56,15 @@ export function matrixOf([x, y, z, qx, qy, qz, qw]) {
   return R.map((row, i) => (i < 3 ? [...row.slice(0, 3), [x, y, z][i]] : row));
 }
 
-/** Displacement of a joint in its own frame, as a product of exponentials. */
-function displacement({ kind, pitch }, x) {
-  switch (kind) {
-    case "revolute":
-      return exp([0, 0, x[0], 0, 0, 0]);
-    case "prismatic":
-      return exp([0, 0, 0, 0, 0, x[0]]);
-    case "helical":
-      return exp([0, 0, x[0], 0, 0, pitch * x[0]]);
-    case "planar":
-      return times(exp([0, 0, 0, x[1], x[2], 0]), exp([0, 0, x[0], 0, 0, 0]));
-    case "spherical":
-      return matrixOf([0, 0, 0, ...x]);
-    case "free":
-      return matrixOf([...x.slice(4), ...x.slice(0, 4)]);
-  }
-}
+/** For each kind of joint its coordinates at rest, the number of its velocities, and its displacement in its own frame. */
+export const JOINTS = {
+  revolute: { rest: [0], nv: 1, displacement: ([angle]) => exp([0, 0, angle, 0, 0, 0]) },
+  prismatic: { rest: [0], nv: 1, displacement: ([x]) => exp([0, 0, 0, 0, 0, x]) },
+  helical: { rest: [0], nv: 1, displacement: ([angle], pitch) => exp([0, 0, angle, 0, 0, pitch * angle]) },
+  planar: { rest: [0, 0, 0], nv: 3, displacement: ([angle, x, y]) => times(exp([0, 0, 0, x, y, 0]), exp([0, 0, angle, 0, 0, 0])) },
+  spherical: { rest: [0, 0, 0, 1], nv: 3, displacement: (q) => matrixOf([0, 0, 0, ...q]) },
+  free: { rest: [0, 0, 0, 1, 0, 0, 0], nv: 6, displacement: (q) => matrixOf([...q.slice(4), ...q.slice(0, 4)]) },
+};
 
 const known = new WeakMap();
 
@@ -100,7 +92,7 @@ export function poses(scene, q) {
     const x = joint.leader
       ? [joint.leader.ratio * q[scene.bodies[joint.leader.joint].joint.iq] + joint.leader.offset]
       : q.slice(joint.iq, joint.iq + joint.nq);
-    all[k + 1] = times(times(times(all[body.predecessor], before), displacement(joint, x)), behind);
+    all[k + 1] = times(times(times(all[body.predecessor], before), JOINTS[joint.kind].displacement(x, joint.pitch)), behind);
   });
   return all;
 }

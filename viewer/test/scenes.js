@@ -1,12 +1,9 @@
-import { apply, cross, dot, exp, identity, inverse, matrixOf, poseOf, poses, times, turn, twists } from "./reference.js";
+import { apply, cross, dot, exp, identity, inverse, JOINTS, matrixOf, poseOf, poses, times, turn, twists } from "./reference.js";
 
 /**
  * Scenes for the tests. Everything is drawn at zero in the
  * inertial frame, from which poses and joint frames follow.
  */
-
-const SIZES = { revolute: [1, 1], prismatic: [1, 1], helical: [1, 1], planar: [3, 3], spherical: [4, 3], free: [7, 6] };
-const NEUTRAL = { spherical: [0, 0, 0, 1], free: [0, 0, 0, 1, 0, 0, 0] };
 
 /** A frame at a point whose z-axis points along a direction. */
 export function frameAt(point, direction = [0, 0, 1]) {
@@ -31,16 +28,17 @@ export class SceneBuilder {
   /** A body whose frame is drawn at A, moved by a joint whose frame is drawn at F. Returns its index. */
   body(name, predecessor, kind, F, { A = F, mass = 1, com = [0, 0, 0], inertia = [0.01, 0.01, 0.01, 0, 0, 0], joint = `${name} joint`, pitch = 0, limits, leader = null, passive = false } = {}) {
     const { scene } = this;
-    const [nq, nv] = leader ? [0, 0] : SIZES[kind];
+    const { rest } = JOINTS[kind];
+    const [nq, nv] = leader ? [0, 0] : [rest.length, JOINTS[kind].nv];
     scene.bodies.push({
       name, predecessor, mass, com, inertia,
       S_prev: poseOf(times(inverse(this.reference[predecessor]), F)),
       S_self: poseOf(times(inverse(A), F)),
       A: poseOf(A),
-      joint: { name: joint, kind, pitch, iq: scene.nq, nq, iv: scene.nv, nv, leader, limits: limits ?? Array(SIZES[kind][1]).fill([null, null]), passive },
+      joint: { name: joint, kind, pitch, iq: scene.nq, nq, iv: scene.nv, nv, leader, limits: limits ?? Array(JOINTS[kind].nv).fill([null, null]), passive },
     });
     this.reference.push(A);
-    if (!leader) scene.q.push(...(NEUTRAL[kind] ?? Array(nq).fill(0)));
+    if (!leader) scene.q.push(...rest);
     scene.nq += nq;
     scene.nv += nv;
     for (let k = 0; k < nq; ++k) scene.coordinate_names.push(nq === 1 ? joint : `${joint}[${k}]`);
