@@ -1,6 +1,7 @@
 #include "axode/codegen/tape/traced_tree.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 
@@ -23,19 +24,45 @@ void snap(SE3<>& C) {
   snap(C.r);
 }
 
+/// Whether a joint cannot move an inertia M in its frame: it gives M no momentum and does not change it.
+bool is_at_rest(Subgroup kind, const Inertia<>& M) {
+  bool at_rest = true;
+  with_subgroup(kind, 1.0, [&](const auto& joint) {
+    for (int k = 0; k < joint.nv; ++k) {
+      const auto [w, v] = joint.column(k);
+      const Twist<Spatial> S{w, v};
+      const Momentum<Spatial> P = M * S;
+      const Inertia<> rate = inertia_rate(S, M);
+      const std::array changes{P.l.x,         P.l.y,         P.l.z,         P.p.x,         P.p.y,
+                               P.p.z,         rate.h.x,      rate.h.y,      rate.h.z,      rate.Theta.xx,
+                               rate.Theta.yy, rate.Theta.zz, rate.Theta.xy, rate.Theta.xz, rate.Theta.yz};
+      at_rest = at_rest && std::ranges::all_of(changes, [](double x) { return x == 0; });
+    }
+  });
+  return at_rest;
+}
+
 /// The part of the inertia M of a body (in its joint frame) that can be added to the predecessor instead,
-/// because its effect on the predecessor does not depend on the coordinate of the joint.
+/// because the joint cannot move it. All entries are independent but xx and yy, of which a joint that turns
+/// about z leaves only the sum at rest.
 Inertia<> share_of_predecessor(Subgroup kind, const Inertia<>& M) {
-  const double Theta = M.Theta.yy;
-  switch (kind) {
-    case Subgroup::revolute: return {M.m, {0, 0, M.h.z}, {Theta, Theta, 0, 0, 0, 0}};
-    case Subgroup::prismatic: return {0, {}, M.Theta};
-    case Subgroup::spherical: return {M.m, {}, {}};
-    case Subgroup::helical:
-    case Subgroup::planar:
-    case Subgroup::free: break;
-  }
-  return {};
+  const auto& [xx, yy, zz, xy, xz, yz] = M.Theta;
+  Inertia<> share;
+  const auto add = [&](const Inertia<>& unit, double amount) {
+    if (is_at_rest(kind, unit)) share += {amount * unit.m, amount * unit.h, amount * unit.Theta};
+  };
+  add({1, {}, {}}, M.m);
+  add({0, {1, 0, 0}, {}}, M.h.x);
+  add({0, {0, 1, 0}, {}}, M.h.y);
+  add({0, {0, 0, 1}, {}}, M.h.z);
+  add({0, {}, {1, 0, 0, 0, 0, 0}}, xx);
+  add({0, {}, {0, 1, 0, 0, 0, 0}}, yy);
+  add({0, {}, {0, 0, 1, 0, 0, 0}}, zz);
+  add({0, {}, {0, 0, 0, 1, 0, 0}}, xy);
+  add({0, {}, {0, 0, 0, 0, 1, 0}}, xz);
+  add({0, {}, {0, 0, 0, 0, 0, 1}}, yz);
+  add({0, {}, {1, 1, 0, 0, 0, 0}}, yy - share.Theta.yy);
+  return share;
 }
 
 /// Moves the parts share_of_predecessor() of all inertias to the predecessors, from the leaves to the ground.
