@@ -152,7 +152,9 @@ def misplaced(mutant):
     """Why the mistake cannot be made, or nothing if it can."""
     file = SOURCE / mutant.file
     times = file.read_text().count(mutant.text) if file.exists() else 0
-    return "" if times == 1 else f"the text occurs {times} times"
+    if times != 1:
+        return f"the text occurs {times} times"
+    return "" if mutant.sources or file.suffix != ".hpp" else "a header is compiled with sources, which the row does not name"
 
 
 def reason_of_escape(mutant):
