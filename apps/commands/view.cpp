@@ -49,8 +49,8 @@ std::string empty_page() {
     throw InputError(
         "this build of axode has no viewer; configure it with -DAXODE_VIEWER=ON, which takes npm");
   std::error_code unknown;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown),
-                              installed = program.parent_path() / AXODE_INSTALLED_PAGE;
+  const std::filesystem::path command = std::filesystem::read_symlink("/proc/self/exe", unknown),
+                              installed = command.parent_path() / AXODE_INSTALLED_PAGE;
   for (const std::filesystem::path& page : {installed, std::filesystem::path(AXODE_BUILT_PAGE)})
     if (std::filesystem::is_regular_file(page, unknown)) return read_text(page.string());
   throw InputError("the page of the viewer is neither " + installed.lexically_normal().string() + " nor " +
