@@ -58,8 +58,8 @@ void check_holonomic(const Model& model, const std::string& method) {
   for (const Loop& loop : model.loops().joints)
     if (loop.rows != loop.residuals)
       throw std::invalid_argument(
-          "loop \"" + loop.name + "\" is a " + (traits(loop.kind).has("radii") ? "belt" : "rolling contact") +
-          ", which method \"" + method +
+          "loop \"" + loop.name + "\" is of kind \"" + std::string(to_string(loop.kind)) +
+          "\", which method \"" + method +
           "\" does not support; use rattle in absolute coordinates or an explicit method");
 }
 void check_absolute(const SimulationOptions& options, const char* scheme) {

@@ -141,7 +141,7 @@ TEST(ConservingSchemesWithLoops, TakeWhatRollsOnMomentaAlone) {
   EXPECT_NEAR(std::log2(error(0.02) / error(0.01)), 4, 0.35);
   EXPECT_EQ(
       message_of([&] { (void)simulate_symplectic(at.model, at.at.q, at.at.v, 0.5, 0.01); }),
-      "loop \"contact\" is a rolling contact, which method \"midpoint\" does not support; use rattle in "
+      "loop \"contact\" is of kind \"rolling\", which method \"midpoint\" does not support; use rattle in "
       "absolute coordinates or an explicit method");
 }
 

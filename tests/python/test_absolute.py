@@ -62,6 +62,6 @@ def test_what_does_not_go_together(arguments, words):
 
 def test_what_rolls_has_nothing_symplectic():
     m = axode.load(axode.robots / "cart.toml")
-    with pytest.raises(ValueError, match='loop "left contact" is a rolling contact, '
+    with pytest.raises(ValueError, match='loop "left contact" is of kind "rolling", '
                        'which method "midpoint" does not support; use rattle in'):
         axode.simulate(m, m.neutral(), np.zeros(m.nv), 0.1, method="midpoint", step=1e-3)

@@ -19,7 +19,7 @@ class Closure {
   /// If this is 0, they are divided by the mean distance at q0 between the centres of two joints, over all
   /// pairs of joints in loops with different centres, or by 1 m if there is no such pair. Joints without a
   /// definite centre, such as prismatic ones, do not count. Throws std::invalid_argument, with the name of
-  /// the loop, if a loop is a rolling contact or a belt.
+  /// the loop, if a loop joint is not made of subgroups, such as a rolling contact or a belt.
   Closure(const Model& model, std::span<const double> q0, double length = 0);
 
   int size() const { return static_cast<int>(coordinates_.size()); }

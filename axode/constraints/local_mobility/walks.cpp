@@ -72,14 +72,8 @@ class Walker {
   }
 
   /// Sets the entry in coordinate_ of each joint velocity in the loop to 0, which marks it as a coordinate
-  /// of the closure equations. Velocities that are in no loop have the entry -1. Throws
-  /// std::invalid_argument if the loop is a rolling contact or a belt.
+  /// of the closure equations. Velocities that are in no loop have the entry -1.
   void mark(const Loop& loop) {
-    const bool belt = traits(loop.kind).has("radii");
-    if (loop.kind == LoopKind::rolling || belt)
-      throw std::invalid_argument("loop \"" + loop.name + "\" is a " + (belt ? "belt" : "rolling contact") +
-                                  ": it constrains velocities, and no product of "
-                                  "exponentials describes it; remove it to find the mobility of the others");
     for (const Loop::End& end : loop.ends)
       for (const int i : path(end.body, meeting(loop)))
         each_screw(tree_, i, at(i), [&](int c, const Screw<>&) { coordinate_[index(c)] = 0; });
@@ -127,7 +121,8 @@ class Walker {
     return joint;
   }
 
-  /// Makes the parts of a loop joint in their order from its first to its second body.
+  /// Makes the parts of a loop joint in their order from its first to its second body. Throws
+  /// std::invalid_argument if it is not made of subgroups, as a rolling contact is not.
   std::vector<PassedJoint> joint_of(const Loop& loop) {
     const std::array<SE3<>, 2> F{at(loop.ends[0].body) * loop.ends[0].F,
                                  at(loop.ends[1].body) * loop.ends[1].F};
@@ -143,6 +138,11 @@ class Walker {
               own({rotation_about(R.x, F[1].r)}, {loop.name + ".second[0]"}),
               own({rotation_about(R.y, F[1].r)}, {loop.name + ".second[1]"})};
     }
+    const LoopTraits& kind = traits(loop.kind);
+    if (kind.rows + std::ranges::count(kind.free, true) != 6)
+      throw std::invalid_argument("loop \"" + loop.name + "\" is of kind \"" + std::string(kind.name) +
+                                  "\", which no product of exponentials describes; remove it to find the "
+                                  "mobility of the others");
     std::vector<Screw<>> screws = subgroup_screws(loop);
     for (Screw<>& S : screws) S = Ad(F[1], S);
     if (loop.kind == LoopKind::cylindrical)
