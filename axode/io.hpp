@@ -62,8 +62,8 @@ void write_drawing(const Model& model, std::ostream& out);
 
 /// Writes the mechanism as a URDF and returns a warning for each thing that URDF cannot express and that is
 /// left out, such as armatures, springs, passive joints and another gravity than (0, 0, -9.81) m/s². Throws
-/// ModelError, and writes nothing, if a joint is of a kind that URDF does not have (helical, spherical), or
-/// if the writer is strict and something would be left out.
+/// ModelError, and writes nothing, if a joint is of a kind that URDF does not have, such as helical, or if
+/// the writer is strict and something would be left out.
 std::vector<Fault> write_urdf(const Model& model, std::ostream& out,
                               Strictness strictness = Strictness::lenient);
 
@@ -71,9 +71,9 @@ std::vector<Fault> write_urdf(const Model& model, std::ostream& out,
 /// left out, such as velocity limits, elastic stops and most kinds of loops. A planar joint becomes two
 /// slides and a hinge, a universal or cylindrical joint becomes two joints of one body, and a revolute loop
 /// two pairs of points that coincide. If some joints of a mechanism with loops are passive, the others get
-/// motors. Throws ModelError, and writes nothing, if the mechanism has something that MuJoCo refuses (helical
-/// joints, free joints on moving bodies, moving bodies without mass, inertias that no density can produce),
-/// or if the writer is strict and something would be left out.
+/// motors. Throws ModelError, and writes nothing, if the mechanism has something that MuJoCo refuses (other
+/// kinds of joints, free joints on moving bodies, moving bodies without mass, inertias that no density can
+/// produce), or if the writer is strict and something would be left out.
 std::vector<Fault> write_mjcf(const Model& model, std::ostream& out,
                               Strictness strictness = Strictness::lenient);
 

@@ -44,7 +44,7 @@ class Parameters {
   void add_joint(const BodyDescription& body, std::size_t i) {
     const JointDescription& joint = body.joint;
     const std::string name = "joint." + joint_name(body);
-    if (traits(joint.kind).point && std::holds_alternative<InConstructionFrame>(body.geometry))
+    if (traits(joint.kind).has("point") && std::holds_alternative<InConstructionFrame>(body.geometry))
       for (std::size_t c = 0; c < 3; ++c)
         add(
             component(name + ".point", c), "m", "component of the point of the joint",

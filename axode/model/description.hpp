@@ -10,6 +10,7 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/model/building/fault.hpp"
 #include "axode/model/kinds/drive_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 #include "axode/model/loops.hpp"
 #include "axode/model/springs.hpp"
 
@@ -18,18 +19,6 @@
 /// The mechanism is drawn with every joint at zero in the construction frame, which is the inertial frame;
 /// the body "ground" rests in it.
 namespace axode {
-
-enum class JointKind {
-  fixed,
-  revolute,
-  prismatic,
-  helical,
-  cylindrical,  ///< becomes `<name>.rotation` and `<name>.translation` with a massless body in between
-  universal,    ///< becomes `<name>.first` and `<name>.second` with a massless body in between
-  spherical,
-  planar,
-  free,
-};
 
 /// Limits, losses, drive inertia and elastic elements of one degree of freedom of a joint. If a member has
 /// two units, the first one is for an angle and the second one for a length; forces are in N m or N. Losses

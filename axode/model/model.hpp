@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "axode/model/kinds/joint_kinds.hpp"
+#include "axode/model/description.hpp"
 #include "axode/model/loops.hpp"
 #include "axode/model/springs.hpp"
 #include "axode/model/tree.hpp"

@@ -36,7 +36,7 @@ bool has_origin(const BodyDescription& body) {
 /// 0, a prismatic joint has a direction only, and a free joint has neither direction nor point.
 bool has_point(const Joint& joint, const BodyDescription* body) {
   if (joint.kind != Subgroup::prismatic && joint.kind != Subgroup::free) return true;
-  return body == nullptr || has_origin(*body) || traits(body->joint.kind).point;
+  return body == nullptr || has_origin(*body) || traits(body->joint.kind).has("point");
 }
 
 /// The length of the diagonal of a box around points, m.

@@ -9,22 +9,28 @@ from pathlib import Path
 # The file of each enumeration, and the other files that
 # must name its enumerators, with the text around the name.
 DRAWING = ("docs/drawing-format.md", "`{}`")
+EVERY_KEY = ("tests/data/good/every_key.toml", '"{}"')
 ENUMERATIONS = {
     "JointKind": (
-        "axode/model/description.hpp",
-        [("axode/model/kinds/joint_kinds.hpp", "{{JointKind::{},"), DRAWING],
+        "axode/model/kinds/joint_kinds.hpp",
+        [("axode/model/kinds/joint_kinds.hpp", "{{JointKind::{},"), DRAWING, EVERY_KEY],
     ),
     "Subgroup": (
         "axode/model/subgroup.hpp",
-        [("axode/model/subgroup.hpp", "case Subgroup::{}:"), ("axode/model/kinds/joint_kinds.hpp", "Subgroup::{},")],
+        [
+            ("axode/model/subgroup.hpp", "case Subgroup::{}:"),
+            ("axode/model/kinds/joint_kinds.hpp", "Subgroup::{},"),
+            ("viewer/src/joint_kinds.ts", "\n  {}: {{"),
+            ("viewer/test/reference.js", "\n  {}: {{"),
+        ],
     ),
     "SpringKind": ("axode/model/springs.hpp", [("axode/model/springs.hpp", "{{SpringKind::{},"), DRAWING]),
-    "LoopKind": ("axode/model/loops.hpp", [("axode/model/loops.hpp", "{{LoopKind::{},"), DRAWING]),
+    "LoopKind": ("axode/model/loops.hpp", [("axode/model/loops.hpp", "{{LoopKind::{},"), DRAWING, EVERY_KEY]),
 }
 
 
 # The files in which the words of docs/architecture.md are looked up.
-SOURCES = (".hpp", ".cpp", ".py", ".ts", ".cmake", ".json")
+SOURCES = (".hpp", ".cpp", ".py", ".ts", ".js", ".cmake", ".json")
 
 
 def enumerators(name, text):
@@ -98,7 +104,7 @@ if __name__ == "__main__":
 
     found = forgotten(read)
     planted = forgotten(lambda path: re.sub(r"(enum class LoopKind {)", r"\1 slot, // a new one\n", read(path)))
-    assert len(planted) == len(found) + 2, planted
+    assert len(planted) == len(found) + 3, planted
     methods = list(forgotten_methods(read))
     planted = list(forgotten_methods(lambda path: read(path).replace('{"euler", ', '{"heun", ')))
     assert len(planted) == len(methods) + len(NAMED_METHODS) + 1, planted

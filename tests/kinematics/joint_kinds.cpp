@@ -1,4 +1,5 @@
 #include "tests/laws/law.hpp"
+#include "tests/support/kinds.hpp"
 #include "tests/support/series.hpp"
 
 /// Every kind of joint alone: the meaning of its coordinates, velocities and accelerations.
@@ -6,8 +7,6 @@ namespace axode::test {
 namespace {
 
 using enum JointKind;
-constexpr JointKind moving_kinds[] = {revolute,  prismatic, helical, cylindrical,
-                                      universal, spherical, planar,  free};
 
 /// Two joints of one kind in a row, at random places.
 Model two_joints(JointKind kind, Random<double>& random) {
@@ -19,7 +18,7 @@ Model two_joints(JointKind kind, Random<double>& random) {
                   .axis = random.vector(),
                   .second_axis = random.vector(),
                   .point = random.vector(),
-                  .pitch = kind == helical ? 0.3 : 0};
+                  .pitch = traits(kind).has("pitch") ? 0.3 : 0};
     body.geometry = InBodyFrame{random.pose()};
     builder.add(body);
   }

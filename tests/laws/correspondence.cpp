@@ -82,10 +82,12 @@ SE3<> displacement(Subgroup kind, double pitch, const double* q) {
   return with_subgroup(kind, pitch, [&](const auto& joint) { return joint.pose(SE3<>{}, q); });
 }
 std::vector<double> coordinates(Subgroup kind, const SE3<>& D) {
-  const Quaternion<> a = quaternion(D.R);
-  if (kind == Subgroup::spherical) return {a.x, a.y, a.z, a.w};
-  if (kind == Subgroup::planar) return {std::atan2(D.R.x.y, D.R.x.x), D.r.x, D.r.y};
-  return {a.x, a.y, a.z, a.w, D.r.x, D.r.y, D.r.z};
+  return with_subgroup(kind, 0.0, [&](const auto& joint) {
+    const auto near = joint.neutral();
+    std::vector<double> q(near.size());
+    joint.coordinates(D, near.data(), q.data());
+    return q;
+  });
 }
 Screw<> joint_screw(Subgroup kind, double pitch, const double* v) {
   return with_subgroup(kind, pitch, [&](const auto& joint) { return screw(joint.twist(v)); });

@@ -18,9 +18,6 @@ using testing::ElementsAre;
 using testing::ThrowsMessage;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::array moving_kinds{JointKind::revolute,    JointKind::prismatic, JointKind::helical,
-                                  JointKind::cylindrical, JointKind::universal, JointKind::spherical,
-                                  JointKind::planar,      JointKind::free};
 
 /// A model of one body that is connected to the ground by one joint, with limits for each degree of freedom.
 Model one_joint(JointKind kind, std::vector<Dof> dof = {}) {
@@ -28,7 +25,7 @@ Model one_joint(JointKind kind, std::vector<Dof> dof = {}) {
       .add({.name = "b",
             .joint = {.name = "j",
                       .kind = kind,
-                      .pitch = kind == JointKind::helical ? 0.1 : 0,
+                      .pitch = traits(kind).has("pitch") ? 0.1 : 0,
                       .dof = std::move(dof)},
             .inertia = MassProperties{.mass = 1}})
       .build();

@@ -13,12 +13,10 @@ namespace axode::test {
 namespace {
 
 constexpr double rounding = 1e-13;
-constexpr std::array kinds_with_one_screw{JointKind::fixed,   JointKind::revolute,    JointKind::prismatic,
-                                          JointKind::helical, JointKind::cylindrical, JointKind::universal};
-
-constexpr std::array kinds_that_stay_whole{JointKind::fixed,   JointKind::revolute,  JointKind::prismatic,
-                                           JointKind::helical, JointKind::spherical, JointKind::planar,
-                                           JointKind::free};
+const std::vector<JointKind> kinds_with_one_screw =
+                                 kinds_that([](const JointTraits&it) { return it.dof < 2 || it.chain; }),
+                             kinds_that_stay_whole =
+                                 kinds_that([](const JointTraits&it) { return !it.chain; });
 
 Way any_way(Random<double>& random) { return ways[static_cast<std::size_t>(random.number(0, 3))]; }
 

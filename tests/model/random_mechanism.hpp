@@ -8,17 +8,17 @@
 #include "axode/model.hpp"
 #include "tests/lie/random_quantities.hpp"
 #include "tests/lie/relative_error.hpp"
+#include "tests/support/kinds.hpp"
 #include "tests/support/random_tree.hpp"
 
 /// Random mechanisms that are drawn in the construction frame, and the same mechanisms described in the two
 /// other ways.
 namespace axode::test {
 
-inline constexpr std::array all_kinds{JointKind::fixed,     JointKind::revolute,    JointKind::prismatic,
-                                      JointKind::helical,   JointKind::cylindrical, JointKind::universal,
-                                      JointKind::spherical, JointKind::planar,      JointKind::free};
-inline constexpr std::array one_dof_kinds{JointKind::revolute, JointKind::prismatic, JointKind::helical};
-inline constexpr std::array multi_dof_kinds{JointKind::spherical, JointKind::planar, JointKind::free};
+inline const std::vector<JointKind> one_dof_kinds =
+                                        kinds_that([](const JointTraits&it) { return it.dof == 1; }),
+                                    multi_dof_kinds = kinds_that(
+                                        [](const JointTraits&it) { return it.dof > 1 && !it.chain; });
 
 /// The name of a body, frame or joint: a letter and a number, such as b3, j3 or f3.
 inline std::string numbered(char letter, int i) { return letter + std::to_string(i); }
@@ -38,7 +38,7 @@ inline BodyDescription random_body(Random<double>& random, int number, std::stri
                     .axis = random.number(0.1, 10) * random.direction(),
                     .second_axis = random.direction(),
                     .point = random.vector(),
-                    .pitch = kind == JointKind::helical ? random.number(-0.3, 0.3) : 0},
+                    .pitch = traits(kind).has("pitch") ? random.number(-0.3, 0.3) : 0},
           .geometry = InConstructionFrame{random.pose()},
           .inertia = mass_properties(random.inertia())};
 }

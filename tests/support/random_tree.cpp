@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "tests/support/kinds.hpp"
 #include "tests/support/units.hpp"
 
 namespace axode::test {
@@ -21,19 +22,23 @@ Sym3<> random_theta(Random<double>& random, double mass, double size, double thi
   return rotate(random.rotation(), rotational_inertia(binet));
 }
 
+/// The rotation of a joint frame with the z-axis of R, or without one, if axis and point determine it.
+SO3<> by_rule(JointKind kind, const SO3<>& R) {
+  return traits(kind).has("axis") ? rotation_to(R.z) : SO3<>{};
+}
+
 }  // namespace
 
-bool has_one_velocity(JointKind kind) {
-  return kind == JointKind::revolute || kind == JointKind::prismatic || kind == JointKind::helical;
-}
+bool has_one_velocity(JointKind kind) { return traits(kind).dof == 1; }
 
 Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe) {
   using enum JointKind;
   const auto chance = [&](double p) { return random.number(0, 1) < p; };
   const auto below = [&](int n) { return std::min(n - 1, static_cast<int>(random.number(0, n))); };
   const auto nearby = [&] { return SE3<>{random.rotation(), random.vector(recipe.length)}; };
-  constexpr JointKind kinds[] = {revolute,  revolute, revolute, prismatic, helical,  cylindrical, universal,
-                                 spherical, planar,   free,     fixed,     revolute, prismatic};
+  std::vector<JointKind> kinds{revolute, revolute};
+  kinds.insert(kinds.end(), moving_kinds.begin(), moving_kinds.end());
+  kinds.insert(kinds.end(), {fixed, revolute, prismatic});
 
   Mechanism mechanism{.gravity = random.vector(10), .bodies = {}};
   const int size =
@@ -46,29 +51,22 @@ Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe) {
     body.name = "body " + std::to_string(i), body.joint = "joint " + std::to_string(i);
     if (i > 0 && !chance(recipe.one_free_root ? 0 : new_root))
       body.predecessor = chance(chain) ? i - 1 : below(i);
-    body.kind = kinds[below(static_cast<int>(std::size(kinds)))];
+    body.kind = kinds[below(static_cast<int>(kinds.size()))];
     if (recipe.one_free_root && i == 0) body.kind = free;
-    const bool composite = body.kind == cylindrical || body.kind == universal;
-    if (composite && (!recipe.composite || moving + 2 > size)) body.kind = revolute;
-    moving += body.kind == fixed ? 0 : body.kind == cylindrical || body.kind == universal ? 2 : 1;
+    if (traits(body.kind).chain && (!recipe.composite || moving + 2 > size)) body.kind = revolute;
+    moving += body.kind == fixed ? 0 : traits(body.kind).chain ? 2 : 1;
 
     const SE3<> A_p = mechanism.A(body.predecessor);
     body.J = A_p * nearby();
     body.A = A_p * nearby();
-    if (body.kind == spherical && chance(0.4)) body.J.R = {};
-    if (body.kind == planar && chance(0.4)) body.J.R = rotation_to(body.J.R.z);
-    if ((body.kind == spherical || body.kind == planar) && chance(0.4)) body.A.R = body.J.R;
-    if (body.kind == free) body.J = body.A;
-    if (body.kind == helical) body.pitch = random.number(-0.2, 0.2);
-    if (body.kind == universal)
+    if (has_oriented_frame(body.kind) && chance(0.4)) body.J.R = by_rule(body.kind, body.J.R);
+    if (has_oriented_frame(body.kind) && chance(0.4)) body.A.R = body.J.R;
+    if (is_at_body_frame(body.kind) && body.kind != fixed) body.J = body.A;
+    if (traits(body.kind).has("pitch")) body.pitch = random.number(-0.2, 0.2);
+    if (traits(body.kind).has("second_axis"))
       body.second_axis = body.J.R * Vec3<>{1, random.number(-1, 1), random.number(-1, 1)};
-    const int nv = body.kind == free                               ? 6
-                   : body.kind == spherical || body.kind == planar ? 3
-                   : composite && !has_one_velocity(body.kind)     ? 2
-                   : body.kind == fixed                            ? 0
-                                                                   : 1;
     if (chance(0.3) || recipe.friction) {
-      body.dof.resize(static_cast<std::size_t>(nv));
+      body.dof.resize(static_cast<std::size_t>(traits(body.kind).dof));
       for (Dof& dof : body.dof)
         dof.damping = random.number(0, 1), dof.friction = random.number(0, 1),
         dof.armature = random.number(0, 0.1);
@@ -97,10 +95,9 @@ namespace {
 /// Whether a body whose geometry is given in this way gets the joint frame that was drawn, in the same
 /// orientation. This matters for the joints whose velocities are components in that frame.
 bool can_tell(const DrawnBody& body, Way way) {
-  if (body.kind != JointKind::spherical && body.kind != JointKind::planar) return true;
-  if (way == Way::joint_frames) return true;
+  if (!has_oriented_frame(body.kind) || way == Way::joint_frames) return true;
   const SO3<> R = way == Way::body_frame ? transpose(body.A.R) * body.J.R : body.J.R;
-  const SO3<> told = body.kind == JointKind::planar ? rotation_to(R.z) : SO3<>{};
+  const SO3<> told = by_rule(body.kind, R);
   return norm(told.x - R.x) + norm(told.y - R.y) < 1e-12;
 }
 
@@ -109,14 +106,14 @@ bool can_tell(const DrawnBody& body, Way way) {
 BodyDescription described(const Mechanism& mechanism, const DrawnBody& body, Way way,
                           Random<double>& random) {
   const SE3<> A_p = mechanism.A(body.predecessor), B = inverse(A_p) * body.A;
-  const bool turned = body.kind == JointKind::spherical || body.kind == JointKind::planar;
-  const SE3<> S_self = turned ? inverse(body.A) * body.J : SE3<>{random.rotation(), random.vector(0.3)};
+  const SE3<> S_self =
+      has_oriented_frame(body.kind) ? inverse(body.A) * body.J : SE3<>{random.rotation(), random.vector(0.3)};
   const SE3<> F = way == Way::construction_frame ? SE3<>{}
                   : way == Way::body_frame       ? body.A
                                                  : body.A * S_self;
   const SE3<> in_F = inverse(F) * body.J;
-  const bool anywhere = body.kind == JointKind::revolute || body.kind == JointKind::prismatic ||
-                        body.kind == JointKind::helical || body.kind == JointKind::cylindrical;
+  const bool anywhere = traits(body.kind).has("axis") && !traits(body.kind).has("second_axis") &&
+                        !has_oriented_frame(body.kind);
 
   BodyDescription description{.name = body.name, .predecessor = mechanism.name(body.predecessor)};
   description.joint = {.name = body.joint,
@@ -127,7 +124,7 @@ BodyDescription described(const Mechanism& mechanism, const DrawnBody& body, Way
                        .pitch = body.pitch,
                        .dof = body.dof,
                        .coupling = body.coupling};
-  if (body.kind != JointKind::universal) description.joint.second_axis = {1, 0, 0};
+  if (!traits(body.kind).has("second_axis")) description.joint.second_axis = {1, 0, 0};
   if (way == Way::construction_frame) description.geometry = InConstructionFrame{body.A};
   if (way == Way::body_frame) description.geometry = InBodyFrame{B};
   if (way == Way::joint_frames) description.geometry = InJointFrames{B * S_self, S_self};

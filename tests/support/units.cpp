@@ -16,13 +16,9 @@ Dimension power(const Dimension& base, int n) { return {n * base.length, n * bas
 
 /// Whether velocity k of a joint of a kind has the unit of a length per time.
 bool is_length(JointKind kind, std::size_t k) {
-  switch (kind) {
-    case JointKind::prismatic: return true;
-    case JointKind::cylindrical:
-    case JointKind::planar: return k > 0;
-    case JointKind::free: return k > 2;
-    default: return false;
-  }
+  if (const auto& chain = traits(kind).chain) return is_length(k == 0 ? chain->first : chain->second, 0);
+  return with_subgroup(traits(kind).subgroup, 1.0,
+                       [&](const auto& joint) { return norm(joint.column(static_cast<int>(k)).w) == 0; });
 }
 Dimension direction_of(JointKind kind, std::size_t k) { return is_length(kind, k) ? length : one; }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "axode/eigen.hpp"
 #include "axode/io.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 #include "axode/view.hpp"
 
 /// A scene, read in the way in which a page reads it.
@@ -43,21 +45,15 @@ inline SE3<> pose_of(const Json& x) { return from_eigen<SE3<>>(pose_from(x).matr
 
 /// The displacement J(q) of the frame of a body by its joint.
 inline Eigen::Isometry3d motion_of(const Json& bodies, const Json& joint, std::span<const double> q) {
-  using Eigen::AngleAxisd, Eigen::Vector3d;
-  const std::string kind = joint["kind"];
   const bool coupled = !joint["leader"].is_null();
   const Json& own = coupled ? bodies[joint["leader"]["joint"].get<std::size_t>()]["joint"] : joint;
   std::vector<double> x(q.begin() + own["iq"].get<int>(),
                         q.begin() + own["iq"].get<int>() + own["nq"].get<int>());
   if (coupled) x = {joint["leader"]["ratio"].get<double>() * x[0] + joint["leader"]["offset"].get<double>()};
-  const auto slide = [](double along) { return Eigen::Translation3d(0, 0, along); };
-  const auto turn = [](double angle) { return AngleAxisd(angle, Vector3d::UnitZ()); };
-  if (kind == "revolute") return Eigen::Isometry3d(turn(x[0]));
-  if (kind == "prismatic") return Eigen::Isometry3d(slide(x[0]));
-  if (kind == "helical") return slide(joint["pitch"].get<double>() * x[0]) * Eigen::Isometry3d(turn(x[0]));
-  if (kind == "planar") return Eigen::Translation3d(x[1], x[2], 0) * Eigen::Isometry3d(turn(x[0]));
-  const Eigen::Isometry3d R(Eigen::Quaterniond(x[3], x[0], x[1], x[2]));
-  return kind == "free" ? Eigen::Translation3d(x[4], x[5], x[6]) * R : R;
+  const auto named = std::ranges::find(joint_kinds, joint["kind"].get<std::string>(), &JointTraits::name);
+  return with_subgroup(named->subgroup, joint["pitch"].get<double>(), [&](const auto& of) {
+    return Eigen::Isometry3d(to_eigen(of.pose(SE3<>{}, x.data())));
+  });
 }
 
 /// The poses of the ground and the bodies, computed from the scene alone.

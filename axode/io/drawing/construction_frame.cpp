@@ -46,13 +46,13 @@ SE3<> given_frame(const Geometry& geometry) {
   return frames == nullptr ? SE3<>{} : frames->S_self;
 }
 
-/// Expresses the axis and the point of a joint in the inertial frame at q = 0. For a planar or spherical
-/// joint, axis and point imply the axes of the joint frame: those of the inertial frame, turned for a planar
-/// joint the shortest way until z is the axis of the joint. If the joint frame has other axes at q = 0, the
-/// joint is expressed by joint frames instead. `at` has the poses of the body and its joint frame at q = 0.
+/// Expresses the axis and the point of a joint in the inertial frame at q = 0. They imply the axes of the
+/// joint frame: those of the inertial frame, turned the shortest way until z is the axis of the joint, if it
+/// has one. If it matters where these axes point and the joint frame has other axes at q = 0, the joint is
+/// expressed by joint frames instead. `at` has the poses of the body and its joint frame at q = 0.
 void move_joint(BodyDescription& body, const Placement& at) {
   JointDescription& joint = body.joint;
-  if (!traits(joint.kind).axis && !traits(joint.kind).point) {
+  if (is_at_body_frame(joint.kind)) {
     joint.axis = {0, 0, 1};
     joint.point = {};
     body.geometry = InConstructionFrame{clean(at.A)};
@@ -61,8 +61,8 @@ void move_joint(BodyDescription& body, const Placement& at) {
   const SE3<> given = at.A * given_frame(body.geometry);
   const Vec3<> point = given * joint.point;
   const Vec3<> axis = given.R * joint.axis;
-  if (joint.kind == JointKind::planar || joint.kind == JointKind::spherical) {
-    const SO3<> by_rule = joint.kind == JointKind::planar ? rotation_to((1 / norm(axis)) * axis) : SO3<>{};
+  if (has_oriented_frame(joint.kind)) {
+    const SO3<> by_rule = traits(joint.kind).has("axis") ? rotation_to((1 / norm(axis)) * axis) : SO3<>{};
     if (!same(at.A.R * at.S_self.R, by_rule)) {
       if (std::holds_alternative<InJointFrames>(body.geometry)) return;
       body.geometry = InJointFrames{clean(at.B * at.S_self), clean(at.S_self)};

@@ -122,13 +122,13 @@ void read_screw(Table& table, GeometryForm form, JointDescription& joint) {
       table.missing(key, a_kind + " needs one, such as [0, 0, 1] or \"z\"");
     into = table.direction(key).value_or(into);
   };
-  const bool has_axis = traits(kind).axis, has_point = traits(kind).point;
+  const bool has_axis = traits(kind).has("axis"), has_point = traits(kind).has("point");
   if (has_axis) {
     axis("axis", true, joint.axis);
   } else {
     table.refuse("axis", a_kind + " has no axis");
   }
-  if (kind == JointKind::universal) {
+  if (traits(kind).has("second_axis")) {
     axis("second_axis", true, joint.second_axis);
   } else {
     table.refuse("second_axis", a_kind + " has no second axis");
@@ -140,10 +140,10 @@ void read_screw(Table& table, GeometryForm form, JointDescription& joint) {
       table.missing("point", a_kind + " needs one: [x, y, z] of a point on its axis, or of its centre");
     joint.point = table.vector("point").value_or(Vec3<>{});
   }
-  if (kind == JointKind::helical && table.has("pitch") == table.has("lead"))
+  if (traits(kind).has("pitch") && table.has("pitch") == table.has("lead"))
     table.error(Rule::missing_element, "needs either pitch, m/rad, or lead, m for each turn");
   joint.pitch = table.number("pitch").value_or(0);
-  if (kind != JointKind::helical) {
+  if (!traits(kind).has("pitch")) {
     table.refuse("lead", a_kind + " has no lead");
   } else if (const auto lead = table.number("lead")) {
     joint.pitch = *lead / (2 * std::numbers::pi);
@@ -249,8 +249,9 @@ void move_frame(Table& table, BodyDescription& body) {
   if (*place == 0) {
     const toml::Value* joint = table.look("joint");
     const bool has_point = joint != nullptr && joint->table() != nullptr && joint->table()->contains("point");
-    if (!has_point && !traits(body.joint.kind).point)  // if the kind needs a point, its absence has been
-                                                       // reported already
+    if (!has_point &&
+        !traits(body.joint.kind).has("point"))  // if the kind needs a point, its absence has been
+                                                // reported already
       table.error(
           Rule::wrong_value,
           "frame is \"joint\", and its " + std::string(to_string(body.joint.kind)) + " joint has no point",

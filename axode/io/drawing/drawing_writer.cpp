@@ -171,7 +171,7 @@ class DrawingWriter {
   }
 
   void write(const JointDescription& joint, bool in_joint_frame) {
-    const bool has_axis = traits(joint.kind).axis, still = !has_axis && !traits(joint.kind).point;
+    const bool has_axis = traits(joint.kind).has("axis"), still = is_at_body_frame(joint.kind);
     const bool said = joint.passive && joint.kind != JointKind::fixed;
     if (still && joint.name.empty() && joint.dof.empty() && !said) {
       line("joint", toml_text(to_string(joint.kind)));
@@ -181,9 +181,9 @@ class DrawingWriter {
     line("joint.kind", toml_text(to_string(joint.kind)));
     const bool along_z = joint.axis.x == 0 && joint.axis.y == 0 && joint.axis.z == 1;
     if (has_axis && !(in_joint_frame && along_z)) line("joint.axis", toml_text(joint.axis));
-    if (joint.kind == JointKind::universal) line("joint.second_axis", toml_text(joint.second_axis));
+    if (traits(joint.kind).has("second_axis")) line("joint.second_axis", toml_text(joint.second_axis));
     if (!still && !(in_joint_frame && is_zero(joint.point))) line("joint.point", toml_text(joint.point));
-    if (joint.kind == JointKind::helical) line("joint.pitch", toml_text(joint.pitch));
+    if (traits(joint.kind).has("pitch")) line("joint.pitch", toml_text(joint.pitch));
     if (said) line("joint.passive", *joint.passive ? "true" : "false");
     if (joint.dof.size() == 1) {
       for (const auto& [key, value] : entries(joint.dof[0])) line("joint." + key, value);

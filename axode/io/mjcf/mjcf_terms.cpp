@@ -16,6 +16,15 @@ namespace {
 
 using xml::text;
 
+constexpr auto joints = std::to_array<JointInMjcf>({
+    {JointKind::fixed, {}},
+    {JointKind::revolute, {{{"hinge", "", 2, 0}}}},
+    {JointKind::prismatic, {{{"slide", "", 2, 0}}}},
+    {JointKind::spherical, {{{"ball", "", 2, 0}}}},
+    {JointKind::planar, {{{"slide", ".x", 0, 1}, {"slide", ".y", 1, 2}, {"hinge", ".angle", 2, 0}}}, 1},
+    {JointKind::free, {{{"free", "", 2, 0}}}},
+});
+
 /// Whether MuJoCo can open a mesh file: the name must be a path, not a URL, and end in .stl, .obj or .msh.
 bool opens(const std::string& file) {
   if (file.find("://") != std::string::npos) return false;
@@ -28,34 +37,39 @@ bool opens(const std::string& file) {
 
 }  // namespace
 
+const JointInMjcf* in_mjcf(JointKind kind) {
+  const auto found = std::ranges::find(joints, kind, &JointInMjcf::kind);
+  return found == joints.end() ? nullptr : &*found;
+}
+
 bool in_mjcf(LoopKind kind) {
   return kind == LoopKind::fixed || kind == LoopKind::spherical || kind == LoopKind::revolute;
 }
 
 std::vector<Dof> said(const JointDescription& joint) {
-  const bool ball = joint.kind == JointKind::spherical, planar = joint.kind == JointKind::planar;
+  const JointInMjcf& in = *in_mjcf(joint.kind);
   std::vector<Dof> all = joint.dof;
   all.resize(static_cast<std::size_t>(traits(joint.kind).dof));
-  const std::size_t first = planar ? 1 : 0;  // first degree of freedom of those that share numbers
-  const Dof like = all.empty() ? Dof{} : all[std::min(first, all.size() - 1)];
-  const bool alike = std::all_of(
-      all.begin() + static_cast<std::ptrdiff_t>(std::min(first, all.size())), all.end(), [&](const Dof& dof) {
+  const std::size_t first = std::min(in.first_shared, all.size());
+  const Dof like = first < all.size() ? all[first] : Dof{};
+  const bool alike =
+      std::all_of(all.begin() + static_cast<std::ptrdiff_t>(first), all.end(), [&](const Dof& dof) {
         return dof.damping == like.damping && dof.friction == like.friction &&
-               dof.armature == like.armature && (!ball || dof.stiffness == like.stiffness);
+               dof.armature == like.armature && (!in.is_ball() || dof.stiffness == like.stiffness);
       });
   for (std::size_t k = 0; k < all.size(); ++k) {
     Dof& dof = all[k];
     dof.stop_stiffness = dof.stop_damping = dof.restitution = 0;
     dof.hard_stops = false;
     dof.velocity = std::numeric_limits<double>::infinity();
-    if (!(dof.effort > 0) || (all.size() > 1 && !planar)) dof.effort = dof.velocity;
+    if (!(dof.effort > 0) || (all.size() > 1 && !in.has_several_parts())) dof.effort = dof.velocity;
     if (all.size() == 1) continue;
-    if (!planar) {
+    if (!in.has_several_parts()) {
       dof.lower = -dof.velocity;
       dof.upper = dof.velocity;
     }
     if (!alike && k >= first) dof.damping = dof.friction = dof.armature = 0;
-    if (!ball || !alike) dof.stiffness = 0;
+    if (!in.is_ball() || !alike) dof.stiffness = 0;
     dof.rest = 0;
   }
   return all;
@@ -80,7 +94,7 @@ void joint_unsaid(const JointDescription& joint, const std::string& element, con
   check(&Dof::armature, "has armatures" + several);
   if (std::ranges::any_of(joint.dof, has_gear_losses))
     unsaid.leave_out(element, "has a gear with losses", source);
-  check(&Dof::stiffness, joint.kind == JointKind::spherical
+  check(&Dof::stiffness, in_mjcf(joint.kind)->is_ball()
                              ? "has springs" + several
                              : "is " + std::string(to_string(joint.kind)) + " and has a spring");
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,11 +20,28 @@ std::string pose_text(const SE3<>& pose);
 /// world frame.
 std::string inertial_element(const MassProperties& given, const SE3<>& A);
 
+/// A joint of MJCF: its type, what its name ends with after that of the joint of the description, the axis of
+/// the joint frame along which it moves, and the degree of freedom that it has.
+struct JointPart {
+  std::string_view type, ending;
+  int axis, dof;
+};
+/// The joints of MJCF that a joint becomes in one body, and its first degree of freedom of those that need
+/// equal losses and armatures: a ball or free joint has one number for each property, and the two slides of a
+/// planar joint do not turn with its angle as its velocities do.
+struct JointInMjcf {
+  JointKind kind;
+  std::array<JointPart, 3> parts;
+  std::size_t first_shared = 0;
+
+  bool is_ball() const { return parts[0].type == "ball"; }
+  bool has_several_parts() const { return !parts[1].type.empty(); }
+};
+/// Null if MJCF has no such joint.
+const JointInMjcf* in_mjcf(JointKind kind);
 bool in_mjcf(LoopKind kind);
-/// A copy of the degrees of freedom of a joint in which every property that MJCF cannot express for this kind
-/// of joint is 0 or, for limits, infinite. MJCF writes a planar joint as a hinge and two slides, which can
-/// have different limits and efforts but must have equal losses and armatures, and gives a ball or free joint
-/// one number for each property.
+/// A copy of the degrees of freedom of a joint of a kind that MJCF has. Every property that MJCF cannot
+/// express for this kind of joint is 0 in it or, for limits, infinite.
 std::vector<Dof> said(const JointDescription& joint);
 /// Whether MJCF can express a spring, as a spatial tendon: a linear spring without preload that acts in both
 /// directions, between two points or along a path of points on bodies.

@@ -182,8 +182,10 @@ class MjcfWriter {
       const JointDescription& joint = body.joint;
       const std::string element = "joint \"" + joint.name + '"', its_body = "body \"" + body.name + '"';
       const Source& source = source_of(body);
-      if (joint.kind == JointKind::helical)
-        unsaid_.refuse(element, "is helical; MJCF has no such joint", source);
+      const bool known = in_mjcf(joint.kind) != nullptr;
+      if (!known)
+        unsaid_.refuse(element, "is " + std::string(to_string(joint.kind)) + "; MJCF has no such joint",
+                       source);
       if (joint.kind == JointKind::free && order_.predecessor[i] >= 0)
         unsaid_.refuse(
             element, "is free and hangs on body \"" + body.predecessor + "\"; in MJCF it hangs on the world",
@@ -194,7 +196,7 @@ class MjcfWriter {
           realisability(inertia_in({}, *body.inertia)) < -realisability_tolerance)
         unsaid_.refuse(its_body, "has an inertia that no density can produce; MuJoCo refuses it",
                        body.source);
-      joint_unsaid(joint, element, source, unsaid_);
+      if (known) joint_unsaid(joint, element, source, unsaid_);
       shapes_unsaid(body.shapes, its_body, false, body.source, unsaid_);
     }
     if (has_passive_joints() &&
@@ -259,10 +261,13 @@ class MjcfWriter {
   void write_joint(std::ostream& out, const std::string& indent, const JointDescription& joint,
                    const SE3<>& frame) {
     const std::vector<Dof> dof = said(joint);
-    const auto one = [&](const std::string& name, const char* type, const Vec3<>* axis, const Dof& its) {
-      out << indent << "<joint" << attribute("name", text(name)) << attribute("type", type);
-      if (type != std::string_view("free") && norm(frame.r) > 0) out << attribute("pos", text(frame.r));
-      if (axis != nullptr) out << attribute("axis", text(*axis));
+    for (const auto& [type, ending, axis, d] : in_mjcf(joint.kind)->parts) {
+      if (type.empty()) break;
+      const Dof& its = dof[static_cast<std::size_t>(d)];
+      out << indent << "<joint" << attribute("name", text(joint.name + std::string(ending)))
+          << attribute("type", std::string(type));
+      if (type != "free" && norm(frame.r) > 0) out << attribute("pos", text(frame.r));
+      if (type == "hinge" || type == "slide") out << attribute("axis", text(subgroup::axis(frame.R, axis)));
       if (bounded(its))
         out << attribute("range", text(std::clamp(its.lower, -no_limit, no_limit)) + " " +
                                       text(std::clamp(its.upper, -no_limit, no_limit)));
@@ -271,17 +276,6 @@ class MjcfWriter {
       out << unless_zero("damping", its.damping) << unless_zero("frictionloss", its.friction)
           << unless_zero("armature", its.armature) << unless_zero("stiffness", its.stiffness)
           << unless_zero("springref", its.rest) << "/>\n";
-    };
-    switch (joint.kind) {
-      case JointKind::revolute: return one(joint.name, "hinge", &frame.R.z, dof[0]);
-      case JointKind::prismatic: return one(joint.name, "slide", &frame.R.z, dof[0]);
-      case JointKind::spherical: return one(joint.name, "ball", nullptr, dof[0]);
-      case JointKind::free: return one(joint.name, "free", nullptr, dof[0]);
-      case JointKind::planar:
-        one(joint.name + ".x", "slide", &frame.R.x, dof[1]);
-        one(joint.name + ".y", "slide", &frame.R.y, dof[2]);
-        return one(joint.name + ".angle", "hinge", &frame.R.z, dof[0]);
-      default: return;  // fixed
     }
   }
 
@@ -457,10 +451,10 @@ class MjcfWriter {
       const JointDescription& joint = d_.bodies[i].joint;
       if (!has_drive(joint)) continue;
       const std::size_t nv = static_cast<std::size_t>(traits(joint.kind).dof);
-      if (joint.kind == JointKind::planar) {
-        for (const char* part : {".x", ".y", ".angle"}) motor(joint.name + part, "", "");
-      } else if (nv == 1) {
-        motor(joint.name, "", "");
+      const io::mjcf::JointInMjcf& in = *in_mjcf(joint.kind);
+      if (nv == 1 || in.has_several_parts()) {
+        for (const io::mjcf::JointPart& part : in.parts)
+          if (!part.type.empty()) motor(joint.name + std::string(part.ending), "", "");
       } else {
         for (std::size_t k = 0; k < nv; ++k) motor(joint.name, "." + std::to_string(k + 1), axes[k]);
       }

@@ -190,7 +190,7 @@ void SdfMechanism::add_body(const Connection& c) {
   joint = {.name = c.name, .kind = c.kind->kind, .pitch = c.pitch, .source = {file_, c.line}};
   const int dof = traits(joint.kind).dof;
   joint.point = relative(A, frames_[c.frame].pose).r;
-  if (traits(joint.kind).axis) {
+  if (traits(joint.kind).has("axis")) {
     // In a reversed joint the order of the two axes is exchanged, and the axes have the opposite directions.
     const auto in_body = [&](std::size_t k) {
       const Vec3<> axis = transpose(A.R) * axis_of(c, k);
@@ -214,7 +214,7 @@ void SdfMechanism::add_loop(const Connection& c) {
   LoopDescription loop{.name = c.name, .kind = c.kind->loop, .pitch = c.pitch, .source = {file_, c.line}};
   loop.between = {c.from < 0 ? "ground" : link(c.from).body.name, link(c.to).body.name};
   loop.point = frames_[c.frame].pose.r;
-  if (traits(c.kind->kind).axis) loop.axis = axis_of(c, 0);
+  if (traits(c.kind->kind).has("axis")) loop.axis = axis_of(c, 0);
   if (traits(loop.kind).has("second_axis")) loop.second_axis = axis_of(c, 1);
   const auto says_more = [](const Axis& axis) {
     const Dof& d = axis.dof;
@@ -232,18 +232,22 @@ std::string SdfMechanism::coordinate_of(const Connection& c, const Mimic& mimic)
   const auto found = connection_of_frame_.find(frames_.find(frames_[c.frame].model, mimic.leader));
   if (found == connection_of_frame_.end()) return mimic.leader;
   const Connection& leader = connections_[found->second];
-  if (leader.kind->kind != JointKind::universal) return leader.name;
-  return leader.name + ((mimic.axis == "axis2") != leader.reversed ? ".second" : ".first");
+  const auto& chain = traits(leader.kind->kind).chain;
+  if (!chain) return leader.name;
+  const bool second = (mimic.axis == "axis2") != leader.reversed;
+  return leader.name + "." + std::string(second ? chain->second_name : chain->first_name);
 }
 
-/// Adds a coupling for each axis of the universal joint c that has a mimic. Does nothing for other joints.
+/// Adds a coupling for each axis with a mimic of a joint c that is a chain. Does nothing for other joints.
 void SdfMechanism::add_couplings(const Connection& c) {
-  if (c.kind->kind != JointKind::universal || !c.in_tree) return;
+  const auto& chain = traits(c.kind->kind).chain;
+  if (!chain || !c.in_tree) return;
   for (std::size_t k = 0; k < 2; ++k) {
     if (!c.axes[k].mimic) continue;
     const Mimic& mimic = *c.axes[k].mimic;
     CouplingDescription coupling{.offset = mimic.offset, .source = {file_, mimic.line}};
-    coupling.terms = {{c.name + ((k == 1) != c.reversed ? ".second" : ".first"), 1},
+    const bool second = (k == 1) != c.reversed;
+    coupling.terms = {{c.name + "." + std::string(second ? chain->second_name : chain->first_name), 1},
                       {coordinate_of(c, mimic), -mimic.ratio}};
     description().couplings.push_back(std::move(coupling));
   }

@@ -400,9 +400,9 @@ class SdfReader : SdfMechanism {
     c.kind = kind_of(e, owner, sdf_kinds);
     if (c.kind == nullptr) return;
     const bool gearbox = c.kind->type == "gearbox";
-    if (gearbox || traits(c.kind->kind).axis) read_axis(e, "axis", owner, c, 0);
-    if (gearbox || c.kind->kind == JointKind::universal) read_axis(e, "axis2", owner, c, 1);
-    if (c.kind->kind == JointKind::helical) c.pitch = read_pitch(e, owner);
+    if (gearbox || traits(c.kind->kind).has("axis")) read_axis(e, "axis", owner, c, 0);
+    if (gearbox || traits(c.kind->kind).has("second_axis")) read_axis(e, "axis2", owner, c, 1);
+    if (traits(c.kind->kind).has("pitch")) c.pitch = read_pitch(e, owner);
     if (gearbox) {
       c.gear_ratio = scalar(e, "gearbox_ratio", owner, 1);
       c.gear_reference = required_text(e, "gearbox_reference_body", owner);

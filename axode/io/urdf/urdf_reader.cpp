@@ -319,7 +319,7 @@ class UrdfReader : XmlReader {
     if (const XMLElement* given = child_of(e, "axis", owner);
         given != nullptr && required(*given, "xyz", owner))
       axis = vector(*given, "xyz", owner).value_or(axis);
-    if (traits(joint.kind).axis) joint.axis = axis;
+    if (traits(joint.kind).has("axis")) joint.axis = axis;
   }
 
   /// Reads losses and limits, those of positions only of revolute and prismatic joints.

@@ -270,7 +270,7 @@ class UrdfWriter {
     out_ << "  <joint name=\"" << text(joint.name) << "\" type=\"" << type << "\">\n    <parent link=\""
          << text(parent) << "\"/>\n    <child link=\"" << text(child) << "\"/>\n";
     write_origin("    ", origin);
-    if (traits(joint.kind).axis) out_ << "    <axis xyz=\"" << text(axis) << "\"/>\n";
+    if (traits(joint.kind).has("axis")) out_ << "    <axis xyz=\"" << text(axis) << "\"/>\n";
     const Dof dof = shared_dof(joint).value_or(Dof{});
     if (type == "revolute" || type == "prismatic") {
       out_ << "    <limit lower=\"" << limit_text(dof.lower) << "\" upper=\"" << limit_text(dof.upper)

@@ -9,26 +9,26 @@
 #include <unordered_map>
 #include <utility>
 
+#include "axode/model/kinds/joint_kinds.hpp"
+
 namespace axode {
 namespace {
 
-/// Splits a cylindrical or universal joint in two. Returns a new massless body, whose joint makes the first
-/// motion; the joint of `body` makes the second motion. The other arguments are the endings of the new names,
-/// the kinds of the two joints, and the axis of the second joint.
-BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind first_kind, const char* first,
-                          JointKind second_kind, const char* second, const Vec3<>& second_axis) {
-  const std::string name = joint_name(body);
-  BodyDescription between{.name = name + "." + carrier,
+/// Splits a joint that is a chain in two. Returns a new massless body, whose joint makes the first motion;
+/// the joint of `body` makes the second motion.
+BodyDescription split_off(BodyDescription& body, const JointChain& chain) {
+  const std::string name = joint_name(body) + ".";
+  BodyDescription between{.name = name + std::string(chain.carrier),
                           .predecessor = body.predecessor,
                           .joint = body.joint,
                           .geometry = body.geometry,
                           .source = body.source};
-  between.joint.name = name + "." + first;
-  between.joint.kind = first_kind;
+  between.joint.name = name + std::string(chain.first_name);
+  between.joint.kind = chain.first;
   body.predecessor = between.name;
-  body.joint.name = name + "." + second;
-  body.joint.kind = second_kind;
-  body.joint.axis = second_axis;
+  if (traits(body.joint.kind).has("second_axis")) body.joint.axis = body.joint.second_axis;
+  body.joint.name = name + std::string(chain.second_name);
+  body.joint.kind = chain.second;
   if (body.joint.dof.size() == 2) {
     between.joint.dof = {body.joint.dof[0]};
     body.joint.dof = {body.joint.dof[1]};
@@ -47,7 +47,7 @@ SO3<> orthonormal(const SO3<>& R) {
 }
 /// The pose of the joint frame in the frame in which axis and point of the joint are given.
 SE3<> joint_frame(const JointDescription& joint) {
-  if (joint.kind == JointKind::spherical || joint.kind == JointKind::fixed) return {{}, joint.point};
+  if (!traits(joint.kind).has("axis")) return {{}, joint.point};
   return {orthonormal(rotation_to(direction(joint.axis))), joint.point};
 }
 
@@ -96,8 +96,7 @@ Placement reference_placement(const BodyDescription& body, const Placement* pred
   if (body.joint.kind == JointKind::prismatic && is_drawn(body) && mass &&
       norm(mass->center - J.r) > most_radii * mass->radius_of_gyration)
     J.r = mass->center;
-  const bool fixed = body.joint.kind == JointKind::fixed,
-             at_body = fixed || body.joint.kind == JointKind::free;
+  const bool fixed = body.joint.kind == JointKind::fixed, at_body = is_at_body_frame(body.joint.kind);
   Placement at;
   if (const auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) {
     at.A = orthonormal(drawn->A);
@@ -152,13 +151,7 @@ Description expand(const Description& description) {
   Description expanded = description;
   expanded.bodies.clear();
   for (BodyDescription body : description.bodies) {
-    if (body.joint.kind == JointKind::cylindrical) {
-      expanded.bodies.push_back(split_off(body, "sleeve", JointKind::revolute, "rotation",
-                                          JointKind::prismatic, "translation", body.joint.axis));
-    } else if (body.joint.kind == JointKind::universal) {
-      expanded.bodies.push_back(split_off(body, "cross", JointKind::revolute, "first", JointKind::revolute,
-                                          "second", body.joint.second_axis));
-    }
+    if (const auto& chain = traits(body.joint.kind).chain) expanded.bodies.push_back(split_off(body, *chain));
     body.joint.name = joint_name(body);
     expanded.bodies.push_back(std::move(body));
   }

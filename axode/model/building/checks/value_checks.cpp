@@ -240,14 +240,14 @@ void check_joint(const BodyDescription& body, FaultCollector& faults) {
   const JointDescription& joint = body.joint;
   const std::string kind(to_string(joint.kind));
   const FaultySubject at{faults, "joint " + quoted(joint_name(body)), joint_source(body)};
-  const bool universal = joint.kind == JointKind::universal;
-  if ((traits(joint.kind).axis && zero(joint.axis)) || (universal && zero(joint.second_axis))) {
+  const bool second = traits(joint.kind).has("second_axis");
+  if ((traits(joint.kind).has("axis") && zero(joint.axis)) || (second && zero(joint.second_axis))) {
     at.error(Rule::zero_axis, "an axis is (0, 0, 0); an axis needs a direction");
-  } else if (universal && parallel(joint.axis, joint.second_axis)) {
+  } else if (second && parallel(joint.axis, joint.second_axis)) {
     at.error(Rule::parallel_axes,
-             "its two axes are parallel; the axes of a universal joint must not be parallel");
+             "its two axes are parallel; the axes of a " + kind + " joint must not be parallel");
   }
-  if (joint.pitch != 0 && joint.kind != JointKind::helical)
+  if (joint.pitch != 0 && !traits(joint.kind).has("pitch"))
     at.error(Rule::pitch_without_helix, "has a pitch of " + to_text(joint.pitch) + " m/rad but is " + kind +
                                             "; only helical joints have a pitch");
   const int n = traits(joint.kind).dof;
