@@ -51,6 +51,11 @@ NIGHTLY = {
     "trees": Stage("tests", libraries="release",
                    programs="*ForwardDynamics.Undoes*:*ClosedForms.AgreeWith*:*FastPath*:*/Invariance.*",
                    environment={"AXODE_RANDOM_TREES": "100000"}),
+    "laws": Stage("tests", libraries="release",
+                  programs="*/InverseDynamics.AgreesWith*:*FloatInverseDynamics.AgreesWith*:*/Poses.AreProducts*:"
+                           "*/EquationsOfMotion.MassMatrixIs*:*/EquationsOfMotion.AreTheSum*:*/EquationsOfMotion.GravityIs*:"
+                           "ClosedForms.*:*/MomentumForm.*",
+                  environment={"AXODE_RANDOM_TREES": "4000"}),
 }
 FUZZ_SECONDS = 600
 #: Processors of qemu-user without newer instructions, and the set that axode must choose on them.
@@ -401,6 +406,14 @@ def validate(costs):
     return {"validation": "passed" if passed else "failed"}
 
 
+def walk_pages(costs):
+    """A browser moves the sliders on the pages of all mechanisms, of which `make test` takes a part."""
+    tests = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/python/test_pages_of_mechanisms.py"]
+    passed = costs.measure("pages", "build", lambda: run("make", "python")) and costs.measure(
+        "pages", "run", lambda: run(str(PYTHON), *tests, environment={"AXODE_EVERY_PAGE": "1"}))
+    return {"pages": "passed" if passed else "failed"}
+
+
 def measure_speed(jobs, costs):
     """The benchmarks run to their end."""
     if not costs.measure("bench", "run", lambda: run("make", "bench", f"JOBS={jobs}")):
@@ -430,6 +443,7 @@ def main():
         runs["coverage"] = lambda: check_tests(jobs, costs)
         runs["emulated"] = lambda: emulate(jobs, costs)
         runs["validation"] = lambda: validate(costs)
+        runs["pages"] = lambda: walk_pages(costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     elif not arguments.bridges:
         bridges -= NIGHTLY_BRIDGES

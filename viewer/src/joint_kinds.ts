@@ -31,7 +31,7 @@ interface Kind {
   /** Whether its axis or its centre is in one place, where it is drawn. */
   hasPlace: boolean;
   hasPitch: boolean;
-  /** Its symbol, about one unit large, along z; absent if it has no place. `lead` is how far a thread advances in a turn. */
+  /** Its symbol, about one unit large, along z, if it has one. `lead` is how far a thread advances in a turn. */
   symbol?(sides: number, lead: number): BufferGeometry;
 }
 
@@ -48,7 +48,7 @@ const turning = {
   },
 };
 
-/** The table, whose keys are the kinds. */
+/** Returns its argument, with the keys as a type. */
 const table = <Name extends string>(kinds: Record<Name, Kind>) => kinds;
 
 export const KINDS = table({
