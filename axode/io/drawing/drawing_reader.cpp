@@ -249,9 +249,8 @@ void move_frame(Table& table, BodyDescription& body) {
   if (*place == 0) {
     const toml::Value* joint = table.look("joint");
     const bool has_point = joint != nullptr && joint->table() != nullptr && joint->table()->contains("point");
-    if (!has_point &&
-        !traits(body.joint.kind).has("point"))  // if the kind needs a point, its absence has been
-                                                // reported already
+    // If the kind needs a point, its absence has been reported already.
+    if (!has_point && !traits(body.joint.kind).has("point"))
       table.error(
           Rule::wrong_value,
           "frame is \"joint\", and its " + std::string(to_string(body.joint.kind)) + " joint has no point",
