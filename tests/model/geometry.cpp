@@ -14,9 +14,9 @@ namespace {
 
 constexpr double rounding = 1e-13;
 const std::vector<JointKind> kinds_with_one_screw =
-                                 kinds_that([](const JointTraits&it) { return it.dof < 2 || it.chain; }),
-                             kinds_that_stay_whole =
-                                 kinds_that([](const JointTraits&it) { return !it.chain; });
+    kinds_that([](const JointTraits& it) { return it.dof < 2 || it.chain; });
+const std::vector<JointKind> kinds_that_stay_whole =
+    kinds_that([](const JointTraits& it) { return !it.chain; });
 
 Way any_way(Random<double>& random) { return ways[static_cast<std::size_t>(random.number(0, 3))]; }
 

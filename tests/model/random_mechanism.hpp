@@ -16,9 +16,9 @@
 namespace axode::test {
 
 inline const std::vector<JointKind> one_dof_kinds =
-                                        kinds_that([](const JointTraits&it) { return it.dof == 1; }),
-                                    multi_dof_kinds = kinds_that(
-                                        [](const JointTraits&it) { return it.dof > 1 && !it.chain; });
+    kinds_that([](const JointTraits& it) { return it.dof == 1; });
+inline const std::vector<JointKind> multi_dof_kinds =
+    kinds_that([](const JointTraits& it) { return it.dof > 1 && !it.chain; });
 
 /// The name of a body, frame or joint: a letter and a number, such as b3, j3 or f3.
 inline std::string numbered(char letter, int i) { return letter + std::to_string(i); }

@@ -12,8 +12,8 @@ template <class Property> std::vector<JointKind> kinds_that(const Property& has)
     if (has(it)) kinds.push_back(it.kind);
   return kinds;
 }
-inline const std::vector<JointKind> all_kinds = kinds_that([](const JointTraits&) { return true; }),
-                                    moving_kinds =
-                                        kinds_that([](const JointTraits&it) { return it.dof > 0; });
+inline const std::vector<JointKind> all_kinds = kinds_that([](const JointTraits&) { return true; });
+inline const std::vector<JointKind> moving_kinds =
+    kinds_that([](const JointTraits& it) { return it.dof > 0; });
 
 }  // namespace axode::test
