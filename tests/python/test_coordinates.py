@@ -12,12 +12,10 @@ from mechanisms import close
 EVERY_KIND = axode.load(Path(__file__).parents[1] / "data/good/every_key.toml")
 
 
-@pytest.mark.parametrize("name", EVERY_KIND.joint_names)
+@pytest.mark.parametrize("name", [name for name in EVERY_KIND.joint_names if EVERY_KIND.joint(name).nv > 0])
 def test_every_joint_moves_as_in_the_library(name):
     m, random = EVERY_KIND, np.random.default_rng(0)
     joint = m.joint(name)
-    if joint.nv == 0:
-        return
     q0, q1 = (m.random(seed=k) for k in range(2))
     v = random.uniform(-1, 1, m.nv)
     on, at_q, at_v = NUMPY, joint.q, joint.v

@@ -22,8 +22,8 @@ Sym3<> random_theta(Random<double>& random, double mass, double size, double thi
   return rotate(random.rotation(), rotational_inertia(binet));
 }
 
-/// The rotation of a joint frame with the z-axis of R, or without one, if axis and point determine it.
-SO3<> by_rule(JointKind kind, const SO3<>& R) {
+/// The axes of the joint frame that a description implies by an axis along the z-axis of R, or by a point alone.
+SO3<> implied_axes(JointKind kind, const SO3<>& R) {
   return traits(kind).has("axis") ? rotation_to(R.z) : SO3<>{};
 }
 
@@ -59,7 +59,7 @@ Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe) {
     const SE3<> A_p = mechanism.A(body.predecessor);
     body.J = A_p * nearby();
     body.A = A_p * nearby();
-    if (has_oriented_frame(body.kind) && chance(0.4)) body.J.R = by_rule(body.kind, body.J.R);
+    if (has_oriented_frame(body.kind) && chance(0.4)) body.J.R = implied_axes(body.kind, body.J.R);
     if (has_oriented_frame(body.kind) && chance(0.4)) body.A.R = body.J.R;
     if (is_at_body_frame(body.kind) && body.kind != fixed) body.J = body.A;
     if (traits(body.kind).has("pitch")) body.pitch = random.number(-0.2, 0.2);
@@ -97,8 +97,8 @@ namespace {
 bool can_tell(const DrawnBody& body, Way way) {
   if (!has_oriented_frame(body.kind) || way == Way::joint_frames) return true;
   const SO3<> R = way == Way::body_frame ? transpose(body.A.R) * body.J.R : body.J.R;
-  const SO3<> told = by_rule(body.kind, R);
-  return norm(told.x - R.x) + norm(told.y - R.y) < 1e-12;
+  const SO3<> implied = implied_axes(body.kind, R);
+  return norm(implied.x - R.x) + norm(implied.y - R.y) < 1e-12;
 }
 
 }  // namespace

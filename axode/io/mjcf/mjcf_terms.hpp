@@ -1,7 +1,10 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "axode/io/writing.hpp"
@@ -34,8 +37,11 @@ struct JointInMjcf {
   std::array<JointPart, 3> parts;
   std::size_t first_shared = 0;
 
+  std::span<const JointPart> used_parts() const {
+    return {parts.begin(), std::ranges::find(parts, "", &JointPart::type)};
+  }
   bool is_ball() const { return parts[0].type == "ball"; }
-  bool has_several_parts() const { return !parts[1].type.empty(); }
+  bool has_several_parts() const { return used_parts().size() > 1; }
 };
 /// Null if MJCF has no such joint.
 const JointInMjcf* in_mjcf(JointKind kind);

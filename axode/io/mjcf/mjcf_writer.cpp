@@ -261,8 +261,7 @@ class MjcfWriter {
   void write_joint(std::ostream& out, const std::string& indent, const JointDescription& joint,
                    const SE3<>& frame) {
     const std::vector<Dof> dof = said(joint);
-    for (const auto& [type, ending, axis, d] : in_mjcf(joint.kind)->parts) {
-      if (type.empty()) break;
+    for (const auto& [type, ending, axis, d] : in_mjcf(joint.kind)->used_parts()) {
       const Dof& its = dof[static_cast<std::size_t>(d)];
       out << indent << "<joint" << attribute("name", text(joint.name + std::string(ending)))
           << attribute("type", std::string(type));
@@ -453,8 +452,8 @@ class MjcfWriter {
       const std::size_t nv = static_cast<std::size_t>(traits(joint.kind).dof);
       const io::mjcf::JointInMjcf& in = *in_mjcf(joint.kind);
       if (nv == 1 || in.has_several_parts()) {
-        for (const io::mjcf::JointPart& part : in.parts)
-          if (!part.type.empty()) motor(joint.name + std::string(part.ending), "", "");
+        for (const io::mjcf::JointPart& part : in.used_parts())
+          motor(joint.name + std::string(part.ending), "", "");
       } else {
         for (std::size_t k = 0; k < nv; ++k) motor(joint.name, "." + std::to_string(k + 1), axes[k]);
       }

@@ -227,28 +227,28 @@ void SdfMechanism::add_loop(const Connection& c) {
   description().loops.push_back(std::move(loop));
 }
 
+/// The name of the joint of the description about the first or the second axis of a joint c that is a chain.
+std::string SdfMechanism::name_about_axis(const Connection& c, bool second) {
+  const JointChain& chain = *traits(c.kind->kind).chain;
+  return c.name + "." + std::string(second != c.reversed ? chain.second_name : chain.first_name);
+}
+
 /// The name of the joint of the description whose coordinate the mimic of joint c follows.
 std::string SdfMechanism::coordinate_of(const Connection& c, const Mimic& mimic) {
   const auto found = connection_of_frame_.find(frames_.find(frames_[c.frame].model, mimic.leader));
   if (found == connection_of_frame_.end()) return mimic.leader;
   const Connection& leader = connections_[found->second];
-  const auto& chain = traits(leader.kind->kind).chain;
-  if (!chain) return leader.name;
-  const bool second = (mimic.axis == "axis2") != leader.reversed;
-  return leader.name + "." + std::string(second ? chain->second_name : chain->first_name);
+  return traits(leader.kind->kind).chain ? name_about_axis(leader, mimic.axis == "axis2") : leader.name;
 }
 
 /// Adds a coupling for each axis with a mimic of a joint c that is a chain. Does nothing for other joints.
 void SdfMechanism::add_couplings(const Connection& c) {
-  const auto& chain = traits(c.kind->kind).chain;
-  if (!chain || !c.in_tree) return;
+  if (!traits(c.kind->kind).chain || !c.in_tree) return;
   for (std::size_t k = 0; k < 2; ++k) {
     if (!c.axes[k].mimic) continue;
     const Mimic& mimic = *c.axes[k].mimic;
     CouplingDescription coupling{.offset = mimic.offset, .source = {file_, mimic.line}};
-    const bool second = (k == 1) != c.reversed;
-    coupling.terms = {{c.name + "." + std::string(second ? chain->second_name : chain->first_name), 1},
-                      {coordinate_of(c, mimic), -mimic.ratio}};
+    coupling.terms = {{name_about_axis(c, k == 1), 1}, {coordinate_of(c, mimic), -mimic.ratio}};
     description().couplings.push_back(std::move(coupling));
   }
 }

@@ -103,6 +103,7 @@ class SdfMechanism : protected XmlReader {
   Vec3<> axis_of(const Connection& c, std::size_t number);
   void add_body(const Connection& c);
   void add_loop(const Connection& c);
+  static std::string name_about_axis(const Connection& c, bool second);
   std::string coordinate_of(const Connection& c, const Mimic& mimic);
   void add_couplings(const Connection& c);
   void add_gearbox(const Connection& c);
