@@ -113,37 +113,35 @@ void find_velocity_parents(Topology& t) {
   }
 }
 
-/// The body where the paths from i and j to the ground meet.
-int meeting_point(const Topology& t, int i, int j) {
-  while (i != j) {
-    int& later = i > j ? i : j;
-    later = t.parent[later];
-  }
-  return i;
-}
-
 /// A path from the body of a joint towards the ground that comes to a given body or begins at it. The joint
 /// is `leader`, or a joint that is coupled to `leader` and shares its velocity. `from` is the child of the
-/// body through which the path comes, or the body itself if the path begins at it.
+/// body through which the path comes, or the body itself if the path begins at it. `joints` is the number of
+/// joints whose paths have joined in it.
 struct Arrival {
-  int leader, from;
+  int leader, from, joints;
 };
 
 /// For each body, the paths of coupled joints that begin at it, pass through it or end at it, sorted by their
 /// leaders. A path begins at the body of a leader l, a joint to which others are coupled, or of a joint that
 /// is coupled to l and shares its velocity. It leads towards the ground and ends at the body meets[l], where
-/// all paths with the leader l meet. Paths with the same leader that meet before count as one from there on.
-std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
-                                           const Topology& t) {
+/// the paths of all joints with the leader l have met, whose number is joints[l]. Paths with the same leader
+/// that meet before count as one from there on.
+std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& joints,
+                                           const Topology& t, std::vector<int>& meets) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));
   for (int i = t.n; i >= 0; --i) {
     std::vector<Arrival>& here = all[i];
     const int own = leader[i] > 0 ? leader[i] : i;
-    if (i > 0 && meets[own] >= 0) here.push_back({own, i});
+    if (i > 0 && joints[own] > 0) here.push_back({own, i, 1});
     std::sort(here.begin(), here.end(), [](Arrival a, Arrival b) { return a.leader < b.leader; });
-    for (std::size_t k = 0; k < here.size(); ++k)
-      if (meets[here[k].leader] != i && (k == 0 || here[k - 1].leader != here[k].leader))
-        all[t.parent[i]].push_back({here[k].leader, i});
+    for (std::size_t begin = 0, end = 0; begin < here.size(); begin = end) {
+      Arrival on{here[begin].leader, i, 0};
+      while (end < here.size() && here[end].leader == on.leader) on.joints += here[end++].joints;
+      if (on.joints == joints[on.leader])
+        meets[on.leader] = i;
+      else
+        all[t.parent[i]].push_back(on);
+    }
   }
   return all;
 }
@@ -163,7 +161,7 @@ struct Groups {
   /// `first_from` is scratch memory with an entry -1 for each body, before and after the call.
   Groups(const std::vector<Arrival>& here, const std::vector<int>& meets, int i,
          std::vector<int>& first_from) {
-    for (const auto& [leader, from] : here) {
+    for (const auto& [leader, from, joints] : here) {
       const int k = static_cast<int>(leaders.size()) - (!leaders.empty() && leaders.back() == leader);
       if (k == static_cast<int>(leaders.size())) {
         leaders.push_back(leader);
@@ -177,7 +175,7 @@ struct Groups {
       first_from[i] = k;
     }
     for (int k = 0; k < static_cast<int>(group.size()); ++k) group[k] = root(k);
-    for (const auto& [leader, from] : here) first_from[from] = -1;
+    for (const Arrival& path : here) first_from[path.from] = -1;
     first_from[i] = -1;
   }
 
@@ -194,13 +192,11 @@ struct Groups {
 };
 
 void find_ties(const std::vector<int>& leader, Topology& t) {
-  std::vector<int> meets(size(t.n + 1), -1);  // for each leader: the body where the paths of all joints with
-                                              // its velocity meet
-  for (const int i : t.coupled_bodies) {
-    int& at = meets[leader[i]];
-    at = meeting_point(t, at < 0 ? leader[i] : at, i);
-  }
-  const std::vector<std::vector<Arrival>> here = arrivals(leader, meets, t);
+  std::vector<int> joints(size(t.n + 1), 0);  // for each leader: the number of joints with its velocity, or 0
+                                              // if it has no other
+  for (const int i : t.coupled_bodies) joints[leader[i]] += joints[leader[i]] == 0 ? 2 : 1;
+  std::vector<int> meets(size(t.n + 1), -1);  // for each leader: the body where their paths meet
+  const std::vector<std::vector<Arrival>> here = arrivals(leader, joints, t, meets);
   std::vector<int> first_from(size(t.n + 1), -1);
   std::vector<std::vector<std::pair<int, int>>> entries(size(t.n + 1));  // for each body: pairs (leader,
                                                                          // entry), in the order of leaders

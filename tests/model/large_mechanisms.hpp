@@ -1,0 +1,121 @@
+#pragma once
+#include <functional>
+
+#include "tests/model/random_mechanism.hpp"
+
+/// Mechanisms of many bodies, in a row or all on one body.
+namespace axode::test {
+
+/// Names of the same length, so that the work for a name does not depend on its number.
+inline std::string named(char letter, int i) { return numbered(letter, 10'000 + i); }
+
+/// A tree of n bodies. The predecessor of body i is the earlier body predecessor_of(i), or the ground if that
+/// is negative.
+inline Description tree(int n, const std::function<int(int)>& predecessor_of) {
+  Description description{.name = "large"};
+  for (int i = 0; i < n; ++i) {
+    const int p = predecessor_of(i);
+    description.bodies.push_back({.name = named('b', i),
+                                  .predecessor = p < 0 ? "ground" : named('b', p),
+                                  .joint = {.name = named('j', i),
+                                            .kind = one_dof_kinds[static_cast<std::size_t>(i) % 2],
+                                            .axis = {0.3, 1, 0},
+                                            .point = {0.001 * i, 0, 0}},
+                                  .geometry = InConstructionFrame{{{}, {0.001 * i, 0, 0}}},
+                                  .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1, 0, 0, 0}}});
+  }
+  return description;
+}
+inline Description chain(int n) {
+  return tree(n, [](int i) { return i - 1; });
+}
+inline Description backward_chain(int n) {  // its bodies are declared from the tip to the root
+  Description description = chain(n);
+  std::ranges::reverse(description.bodies);
+  return description;
+}
+inline Description star(int n) {
+  return tree(n, [](int i) { return i == 0 ? -1 : 0; });
+}
+inline Description forest(int n) {
+  return tree(n, [](int) { return -1; });
+}
+inline Description fixed_chain(int n) {
+  Description description = chain(n);
+  for (BodyDescription& body : description.bodies)
+    if (body.name != named('b', 0)) body.joint.kind = JointKind::fixed;
+  return description;
+}
+inline Description chain_of_split_joints(int n) {
+  Description description = chain(n);
+  for (BodyDescription& body : description.bodies) body.joint.kind = JointKind::cylindrical;
+  return description;
+}
+inline Description couplings_on_one_joint(int n) {
+  Description description = star(n);
+  for (BodyDescription& body : description.bodies)
+    if (body.name != named('b', 0)) body.joint.coupling = Coupling{named('j', 0)};
+  return description;
+}
+inline Description chain_of_couplings(int n) {  // each joint follows the next one, which is declared after it
+  Description description = star(n);
+  for (int i = 0; i + 1 < n; ++i) description.bodies[i].joint.coupling = Coupling{named('j', i + 1)};
+  return description;
+}
+inline Description coupled_chain(int n) {  // the same for bodies in a row
+  Description description = chain(n);
+  for (int i = 0; i + 1 < n; ++i) description.bodies[i].joint.coupling = Coupling{named('j', i + 1)};
+  return description;
+}
+inline Description many_frames(int n) {
+  Description description = chain(10);
+  for (int k = 0; k < n; ++k) description.frames.push_back({.name = named('f', k), .body = named('b', 9)});
+  return description;
+}
+/// A spring on a line and one on a coordinate for every body.
+inline Description springs_on_every_body(int n) {
+  Description description = forest(n);
+  for (int k = 0; k < n; ++k) {
+    description.springs.push_back({.between = {"ground", named('b', k)}, .stiffness = 1, .rest = 1});
+    SpringDescription turn{.kind = SpringKind::joints, .stiffness = 1};
+    turn.terms = {{named('j', k), 1.0}};
+    description.springs.push_back(turn);
+  }
+  return description;
+}
+/// A controller on every body but the first, whose input is the output of the next one.
+inline Description chain_of_drives(int n) {
+  Description description = forest(n);
+  for (int k = 1; k < n; ++k) {
+    DriveDescription drive{.name = named('d', k), .kind = DriveKind::pid};
+    drive.joints = {{named('j', k), 1.0}};
+    drive.parameters = {{"kp", 1.0}};
+    if (k + 1 < n)
+      drive.input.from = named('d', k + 1);
+    else
+      drive.input.values = {0};
+    description.drives.push_back(std::move(drive));
+  }
+  return description;
+}
+
+struct LargeMechanism {
+  const char* name;
+  Description (*make)(int n);
+};
+inline const auto large_mechanisms = std::to_array<LargeMechanism>({
+    {"chain", chain},
+    {"backward_chain", backward_chain},
+    {"star", star},
+    {"forest", forest},
+    {"fixed_chain", fixed_chain},
+    {"chain_of_split_joints", chain_of_split_joints},
+    {"couplings_on_one_joint", couplings_on_one_joint},
+    {"chain_of_couplings", chain_of_couplings},
+    {"coupled_chain", coupled_chain},
+    {"many_frames", many_frames},
+    {"springs_on_every_body", springs_on_every_body},
+    {"chain_of_drives", chain_of_drives},
+});
+
+}  // namespace axode::test
