@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -553,12 +552,9 @@ INSTANTIATE_TEST_SUITE_P(, Demo,
                                          std::vector<std::string>{AXODE_DEMO}),
                          [](const auto& info) { return info.index == 0 ? "command" : "program"; });
 
-TEST_P(Demo, RunsBothRobotsEveryWayInUnderTwentySeconds) {
-  const auto start = std::chrono::steady_clock::now();
+TEST_P(Demo, RunsBothRobotsEveryWay) {
   const Outcome outcome = run(GetParam());
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_LT(seconds.count(), 20);
   for (const char* said :
        {"arm7: 7 moving bodies", "humanoid: 32 moving bodies", "body-fixed", "spatial", "hybrid", "mixed",
         "fast", "microseconds", "The four representations agree to rounding."})

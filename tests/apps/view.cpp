@@ -219,7 +219,8 @@ TEST_F(View, TellsOfMeshesThatAreMissing) {
 }
 
 TEST_F(View, OpensThePageWhereItIsNotToldAFile) {
-  const std::string opener = folder_.write("xdg-open", "#!/bin/sh\ncp \"$1\" \"$AXODE_OPENED\"\n");
+  const std::string opener =
+      folder_.write("xdg-open", "#!/bin/sh\ncp \"$1\" \"$1.copy\" && mv \"$1.copy\" \"$AXODE_OPENED\"\n");
   std::filesystem::permissions(opener, std::filesystem::perms::owner_all);
   const std::string opened = folder_.file("opened.html");
   const std::string tmp = folder_.file("tmp");
@@ -231,9 +232,8 @@ TEST_F(View, OpensThePageWhereItIsNotToldAFile) {
   const Outcome outcome = run_with(folder_.path().string() + ":/usr/bin:/bin");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, StartsWith(tmp + "/axode-"));
-  for (int k = 0; k < 200 && !std::filesystem::exists(opened); ++k)
+  for (int k = 0; k < 2000 && !std::filesystem::exists(opened); ++k)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_EQ(scene_in(opened)["name"], "double pendulum");
   const Outcome alone = run_with(tmp);
   EXPECT_EQ(alone.code, 1);

@@ -1,7 +1,7 @@
 """The files of the repository refer to nothing outside of it: clean_tree.py SOURCE_DIR.
 
-No file contains a path of somebody's machine, no file or folder has a catch-all name, and programs for users never
-look outside the repository.
+No file contains a path of somebody's machine, no file or folder has a catch-all name, programs for users never look
+outside the repository, and no test in C++ depends on a clock.
 """
 
 import re
@@ -13,6 +13,7 @@ from pathlib import Path
 CATCH_ALL = {"utils", "util", "common", "helpers", "helper", "misc"}
 MACHINE_PATH = re.compile(r"(?<![\w./}-])/(?:work|home|root|Users|tmp|mnt|opt)/\w")
 OUTSIDE = re.compile(r"\.\./shared")
+CLOCK = re.compile(r"<ctime>|\bclock\(|\w_clock\b")
 BUILT = {"build", ".git", "__pycache__"}
 FOR_USERS = ("axode/", "apps/", "python/", "examples/", "docs/", "README.md", "Makefile")
 
@@ -42,6 +43,8 @@ def faults(source):
                 found.append(f"{name}:{number}: path of a machine: {line.strip()[:100]}")
             if name.startswith(FOR_USERS) and OUTSIDE.search(line):
                 found.append(f"{name}:{number}: looks outside the repository: {line.strip()[:100]}")
+            if name.startswith("tests/") and name.endswith(("pp", ".cu")) and CLOCK.search(line):
+                found.append(f"{name}:{number}: depends on a clock: {line.strip()[:100]}")
     return found
 
 
@@ -50,9 +53,12 @@ def check_that_planted_faults_are_found():
         docs = Path(folder, "docs")
         docs.mkdir()
         (docs / "helpers.md").write_text("from " + "/".join(["", "home", "somebody"]) + "\nsee ../" + "shared/x\n")
+        tests = Path(folder, "tests")
+        tests.mkdir()
+        (tests / "speed.cpp").write_text("#include <" + "ctime>\n")
         planted = faults(Path(folder))
         assert [fault.split(":")[0:2][-1].strip() for fault in planted] == [
-            "'helpers.md' says nothing about what is in it", "1", "2"], planted
+            "'helpers.md' says nothing about what is in it", "1", "2", "1"], planted
 
 
 def main(source):
