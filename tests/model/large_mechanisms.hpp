@@ -99,6 +99,29 @@ inline Description chain_of_drives(int n) {
   return description;
 }
 
+/// A rod from every body to the ground, and pairs of joints that are coupled without a leader.
+inline Description loops_on_every_body(int n) {
+  Description description = forest(n);
+  for (int k = 0; k < n; ++k) {
+    description.loops.push_back({.between = {"ground", named('b', k)}, .kind = LoopKind::rod, .length = 1});
+    if (k % 2 == 0 && k + 1 < n)
+      description.couplings.push_back({.terms = {{named('j', k), 1.0}, {named('j', k + 1), 2.0}}});
+  }
+  return description;
+}
+inline Description motion_of_every_joint(int n) {
+  Description description = forest(n);
+  for (int k = 0; k < n; ++k) description.motions.push_back({.of = named('j', k), .coefficients = {0, 1}});
+  return description;
+}
+inline Description shapes_on_every_body(int n) {
+  Description description = chain(n);
+  for (BodyDescription& body : description.bodies)
+    for (const auto role : {ShapeDescription::Role::visual, ShapeDescription::Role::collision})
+      body.shapes.push_back({.role = role, .name = "shape of " + body.name, .size = {1, 2, 3}});
+  return description;
+}
+
 struct LargeMechanism {
   const char* name;
   Description (*make)(int n);
@@ -114,6 +137,9 @@ inline const auto large_mechanisms = std::to_array<LargeMechanism>({
     {"chain_of_couplings", chain_of_couplings},
     {"coupled_chain", coupled_chain},
     {"many_frames", many_frames},
+    {"loops_on_every_body", loops_on_every_body},
+    {"motion_of_every_joint", motion_of_every_joint},
+    {"shapes_on_every_body", shapes_on_every_body},
     {"springs_on_every_body", springs_on_every_body},
     {"chain_of_drives", chain_of_drives},
 });

