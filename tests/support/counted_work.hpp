@@ -8,7 +8,9 @@ namespace axode::test {
 /// is entered more than eight times as often in the second call. With work in proportion to n log n the factor is some
 /// 5, and to n² it is 16. Regions that are entered less than 10 n times are compared as if they were entered as often,
 /// because it depends on other things, such as the number of digits of names, how often they are entered. The compiler
-/// counts in the presets asan and coverage; in others nothing is compared.
+/// counts in the presets asan and coverage; in others nothing is compared. The region that is entered too often is found by
+///   LLVM_PROFILE_FILE=a.profraw PROGRAM --gtest_filter=TEST
+///   llvm-profdata-14 merge a.profraw -o a.profdata && llvm-profdata-14 show --all-functions --counts a.profdata
 void expect_work_in_proportion_to_size(const std::function<void(int)>& with);
 
 }  // namespace axode::test
