@@ -33,14 +33,14 @@ Description on_a_carrier(Description hinges) {
   return hinges;
 }
 
-std::string name_of(const testing::TestParamInfo<Couplings>& couplings) {
+std::string name_of_couplings(const testing::TestParamInfo<Couplings>& couplings) {
   constexpr std::array names{"none", "one", "pairs", "all"};
   return names[static_cast<std::size_t>(couplings.param)];
 }
 class MemoryOfCouplings : public testing::TestWithParam<Couplings> {};
 INSTANTIATE_TEST_SUITE_P(, MemoryOfCouplings,
                          testing::Values(Couplings::none, Couplings::one, Couplings::pairs, Couplings::all),
-                         name_of);
+                         name_of_couplings);
 
 TEST_P(MemoryOfCouplings, GrowsWithTheBodiesAndNotWithTheirSquare) {
   for (const bool carried : {false, true}) {
