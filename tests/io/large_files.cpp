@@ -10,8 +10,7 @@ namespace axode::test {
 namespace {
 
 class LargeFiles : public testing::TestWithParam<LargeMechanism> {};
-INSTANTIATE_TEST_SUITE_P(, LargeFiles, testing::ValuesIn(large_mechanisms),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(, LargeFiles, testing::ValuesIn(large_mechanisms), name_of_mechanism);
 
 TEST_P(LargeFiles, AreWrittenAndReadByWorkInProportionToTheirSize) {
   expect_work_in_proportion_to_size([](int n) {

@@ -440,7 +440,9 @@ TEST(Sdf, JointsInAnyOrderAreAssembledByWorkInProportionToTheirNumber) {
     for (int k = 0; k < n; ++k) {
       links += link(name(k));
       if (k > 0) joints = joint("of " + name(k), "revolute", name(k / 2), name(k), "<axis/>") + joints;
-      if (k % (n / 4) == 0) links += joints, joints.clear();
+      if (k % (n / 4) != 0) continue;
+      links += joints;
+      joints.clear();
     }
     EXPECT_EQ(model_of(in_model(links + joints)).nv(), 6 + n - 1);
   });

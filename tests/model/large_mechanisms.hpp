@@ -1,5 +1,10 @@
 #pragma once
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "tests/model/random_mechanism.hpp"
 
@@ -122,11 +127,39 @@ inline Description shapes_on_every_body(int n) {
   return description;
 }
 
+inline Description nothing_but_faults(int n) {
+  Description description = chain(n);
+  for (BodyDescription& body : description.bodies) {
+    body.predecessor = "x" + body.name;
+    body.inertia->mass = -1;
+    body.joint.coupling = Coupling{"k" + body.name};
+  }
+  return description;
+}
+inline Description ring_of_couplings(int n) {
+  Description description = star(n);
+  for (int i = 0; i < n; ++i) description.bodies[i].joint.coupling = Coupling{named('j', (i + 1) % n)};
+  return description;
+}
+inline Description ring(int n) {
+  Description description = chain(n);
+  description.bodies[0].predecessor = named('b', n - 1);
+  return description;
+}
+inline Description ring_of_drives(int n) {
+  Description description = chain_of_drives(n);
+  description.drives.back().input.values.clear();
+  description.drives.back().input.from = named('d', 1);
+  return description;
+}
+
 struct LargeMechanism {
   const char* name;
   Description (*make)(int n);
+  std::vector<Rule> faults_of_each = {};  ///< the faults that each body has, or each drive if there are any
+  std::vector<Rule> faults_of_all = {};
 };
-inline const auto large_mechanisms = std::to_array<LargeMechanism>({
+inline const std::vector<LargeMechanism> large_mechanisms{
     {"chain", chain},
     {"backward_chain", backward_chain},
     {"star", star},
@@ -142,6 +175,17 @@ inline const auto large_mechanisms = std::to_array<LargeMechanism>({
     {"shapes_on_every_body", shapes_on_every_body},
     {"springs_on_every_body", springs_on_every_body},
     {"chain_of_drives", chain_of_drives},
-});
+};
+inline const std::vector<LargeMechanism> faulty_large_mechanisms{
+    {"nothing_but_faults",
+     nothing_but_faults,
+     {Rule::unknown_predecessor, Rule::mass_not_positive, Rule::coupling_unknown_joint}},
+    {"ring", ring, {}, {Rule::cycle}},
+    {"ring_of_couplings", ring_of_couplings, {Rule::coupling_loop}},
+    {"ring_of_drives", ring_of_drives, {Rule::cycle}},
+};
+inline std::string name_of_mechanism(const testing::TestParamInfo<LargeMechanism>& info) {
+  return info.param.name;
+}
 
 }  // namespace axode::test
