@@ -13,10 +13,10 @@
 namespace axode::test {
 namespace {
 
-class TenThousandBodies : public testing::TestWithParam<LargeMechanism> {};
-INSTANTIATE_TEST_SUITE_P(Sound, TenThousandBodies, testing::ValuesIn(large_mechanisms), name_of_mechanism);
-INSTANTIATE_TEST_SUITE_P(Faulty, TenThousandBodies, testing::ValuesIn(faulty_large_mechanisms),
-                         name_of_mechanism);
+class TenThousandBodies : public testing::TestWithParam<large::Mechanism> {};
+INSTANTIATE_TEST_SUITE_P(Sound, TenThousandBodies, testing::ValuesIn(large::mechanisms), large::name_of);
+INSTANTIATE_TEST_SUITE_P(Faulty, TenThousandBodies, testing::ValuesIn(large::faulty_mechanisms),
+                         large::name_of);
 
 /// Runs a function on a stack of 256 KiB, on which ten thousand nested calls do not fit.
 void on_small_stack(std::function<void()> function) {
@@ -67,7 +67,7 @@ TEST_P(TenThousandBodies, NeedNoDeepRecursion) {
 TEST(LargeTree, FilesOfAChainOfTenThousandBodiesNeedNoDeepRecursion) {
   const int n = 10'000;
   on_small_stack([&] {
-    const Model model = ModelBuilder(chain(n)).build();
+    const Model model = ModelBuilder(large::chain(n)).build();
     const Model drawn = ModelBuilder(read_drawing_text(drawing_of(model), "chain.toml")).build();
     EXPECT_EQ(drawn.body(n).predecessor, n - 1);
     const Model in_urdf = ModelBuilder(read_urdf_text(urdf_of(model), "chain.urdf")).build();
@@ -79,7 +79,7 @@ TEST(LargeTree, FilesOfAChainOfTenThousandBodiesNeedNoDeepRecursion) {
 
 TEST(LargeTree, AChainOfTenThousandBodiesIsEvaluatedRight) {
   const int n = 10'000;
-  const Model model = ModelBuilder(chain(n)).build();
+  const Model model = ModelBuilder(large::chain(n)).build();
   ASSERT_EQ(model.n_bodies(), n);
   for (int i = 1; i <= n; ++i) ASSERT_EQ(model.body(i).predecessor, i - 1);
   Workspace<double> workspace(model);

@@ -9,8 +9,8 @@
 namespace axode::test {
 namespace {
 
-class LargeFiles : public testing::TestWithParam<LargeMechanism> {};
-INSTANTIATE_TEST_SUITE_P(, LargeFiles, testing::ValuesIn(large_mechanisms), name_of_mechanism);
+class LargeFiles : public testing::TestWithParam<large::Mechanism> {};
+INSTANTIATE_TEST_SUITE_P(, LargeFiles, testing::ValuesIn(large::mechanisms), large::name_of);
 
 TEST_P(LargeFiles, AreWrittenAndReadByWorkInProportionToTheirSize) {
   expect_work_in_proportion_to_size([](int n) {

@@ -9,7 +9,7 @@
 #include "tests/model/random_mechanism.hpp"
 
 /// Mechanisms of many bodies, in a row or all on one body.
-namespace axode::test {
+namespace axode::test::large {
 
 /// Names of the same length, so that the work for a name does not depend on its number.
 inline std::string named(char letter, int i) { return numbered(letter, 10'000 + i); }
@@ -153,13 +153,13 @@ inline Description ring_of_drives(int n) {
   return description;
 }
 
-struct LargeMechanism {
+struct Mechanism {
   const char* name;
   Description (*make)(int n);
   std::vector<Rule> faults_of_each = {};  ///< the faults that each body has, or each drive if there are any
   std::vector<Rule> faults_of_all = {};
 };
-inline const std::vector<LargeMechanism> large_mechanisms{
+inline const std::vector<Mechanism> mechanisms{
     {"chain", chain},
     {"backward_chain", backward_chain},
     {"star", star},
@@ -176,7 +176,7 @@ inline const std::vector<LargeMechanism> large_mechanisms{
     {"springs_on_every_body", springs_on_every_body},
     {"chain_of_drives", chain_of_drives},
 };
-inline const std::vector<LargeMechanism> faulty_large_mechanisms{
+inline const std::vector<Mechanism> faulty_mechanisms{
     {"nothing_but_faults",
      nothing_but_faults,
      {Rule::unknown_predecessor, Rule::mass_not_positive, Rule::coupling_unknown_joint}},
@@ -184,8 +184,6 @@ inline const std::vector<LargeMechanism> faulty_large_mechanisms{
     {"ring_of_couplings", ring_of_couplings, {Rule::coupling_loop}},
     {"ring_of_drives", ring_of_drives, {Rule::cycle}},
 };
-inline std::string name_of_mechanism(const testing::TestParamInfo<LargeMechanism>& info) {
-  return info.param.name;
-}
+inline std::string name_of(const testing::TestParamInfo<Mechanism>& info) { return info.param.name; }
 
-}  // namespace axode::test
+}  // namespace axode::test::large

@@ -5,9 +5,9 @@
 namespace axode::test {
 namespace {
 
-class LargeTrees : public testing::TestWithParam<LargeMechanism> {};
-INSTANTIATE_TEST_SUITE_P(Sound, LargeTrees, testing::ValuesIn(large_mechanisms), name_of_mechanism);
-INSTANTIATE_TEST_SUITE_P(Faulty, LargeTrees, testing::ValuesIn(faulty_large_mechanisms), name_of_mechanism);
+class LargeTrees : public testing::TestWithParam<large::Mechanism> {};
+INSTANTIATE_TEST_SUITE_P(Sound, LargeTrees, testing::ValuesIn(large::mechanisms), large::name_of);
+INSTANTIATE_TEST_SUITE_P(Faulty, LargeTrees, testing::ValuesIn(large::faulty_mechanisms), large::name_of);
 
 TEST_P(LargeTrees, AreBuiltByWorkInProportionToTheirSize) {
   expect_work_in_proportion_to_size([](int n) {
